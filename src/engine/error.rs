@@ -1,0 +1,55 @@
+//! Everything a use-case can fail with.
+
+use crate::formats::LoadError;
+use crate::limits::LimitExceeded;
+use crate::pose::{OutsideLimits, PoseOutOfRange};
+use crate::render::RenderError;
+use crate::render::gpu::AdapterError;
+use crate::scene::{SceneError, SizeError};
+
+#[derive(Debug, thiserror::Error)]
+pub enum EngineError {
+    #[error("no rig named `{rig}` is loaded")]
+    RigNotLoaded { rig: String },
+    #[error(
+        "a rig named `{rig}` is loaded from other files; say `replace` to put this one in its place"
+    )]
+    RigNameTaken { rig: String },
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    #[error(transparent)]
+    Limit(#[from] LimitExceeded),
+    /// The server as a whole has all it can take.
+    #[error("{queue_depth} requests are in hand already; try again soon")]
+    Busy { queue_depth: u64 },
+    #[error(transparent)]
+    OutsideLimits(#[from] OutsideLimits),
+    #[error(transparent)]
+    PoseOutOfRange(#[from] PoseOutOfRange),
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A name or number in a pose or query that the rig has no use for.
+    #[error("{problem}")]
+    NoSuchPart { field: String, problem: String },
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    #[error(transparent)]
+    Adapter(#[from] AdapterError),
+    #[error("the deadline passed before the work was done")]
+    DeadlineExceeded,
+    #[error("the request was cancelled")]
+    Cancelled,
+    #[error("the server is shutting down")]
+    ShuttingDown,
+    #[error("{reason}")]
+    Internal { reason: String },
+}
+
+impl From<SizeError> for EngineError {
+    fn from(error: SizeError) -> Self {
+        match error {
+            SizeError::Scene(error) => Self::Scene(error),
+            SizeError::Limit(error) => Self::Limit(error),
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! The use-cases in plain types: load, pose, render, vertices. Knows no wire, no socket and no JSON.
+
+mod admission;
+mod error;
+mod store;
+mod worker;
+
+pub use admission::{Admission, HeldBytes, Ticket};
+pub use error::EngineError;
+pub use store::{LoadedRig, RigRef};
+pub use worker::{Answered, Timings, Urgency};
+
+use crate::encode::{self, Pool};
+use crate::formats::{self, FileRef, Source};
+use crate::limits::Limits;
+use crate::pose::{Clamped, Pose, PoseEdit, Posed};
+use crate::render::Plan;
+use crate::render::gpu::{AdapterChoice, AdapterInfo, Capabilities};
+use std::sync::Arc;
+use store::Store;
+use worker::{Job, Worker};
+
+/// Which renderer to open.
+#[derive(Debug, Clone, Default)]
+pub struct RendererChoice {
+    pub adapter: AdapterChoice,
+    /// Refuse drivers that draw on the CPU.
+    pub require_gpu: bool,
+}
+
+/// From which pose an edit starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Base {
+    /// The server's own of that rig.
+    Stored,
+    /// The file's.
+    Rest,
+}
+
+/// Rigs, their stored poses, and the renderer. Shared by every connection.
+pub struct Engine {
+    store: Store,
+    worker: Worker,
+    admission: Arc<Admission>,
+    limits: Limits,
+}
+
+impl Engine {
+    /// Opens the renderer.
+    ///
+    /// # Errors
+    /// [`EngineError::Adapter`] where there is none of the kind asked for.
+    pub fn open(choice: RendererChoice, limits: Limits) -> Result<Self, EngineError> {
+        let pool = Pool::new().map_err(|error| EngineError::Internal {
+            reason: error.to_string(),
+        })?;
+        let worker = Worker::open(choice, pool)?;
+        Ok(Self {
+            store: Store::new(limits),
+            worker,
+            admission: Arc::new(Admission::new(&limits)),
+            limits,
+        })
+    }
+
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    pub fn adapter(&self) -> &AdapterInfo {
+        self.worker.adapter()
+    }
+
+    pub fn capabilities(&self) -> Capabilities {
+        self.worker.capabilities()
+    }
+
+    pub fn admission(&self) -> &Arc<Admission> {
+        &self.admission
+    }
+
+    /// Device memory in use.
+    pub fn gpu_bytes(&self) -> u64 {
+        self.worker.gpu_bytes()
+    }
+
+    /// Reads files and keeps the rig under `name`, or under the first file's stem.
+    ///
+    /// # Errors
+    /// As reading and keeping have them; nothing is then changed.
+    pub fn load(
+        &self,
+        name: Option<&str>,
+        files: &[FileRef],
+        source: &Source,
+        replace: bool,
+    ) -> Result<Arc<LoadedRig>, EngineError> {
+        let loaded = formats::load(files, source, &self.limits)?;
+        self.capabilities().accept_rig(&loaded.rig)?;
+        let kept = self.store.keep(name, loaded, replace)?;
+        self.worker.sweep();
+        Ok(kept)
+    }
+
+    /// # Errors
+    /// [`EngineError::RigNotLoaded`].
+    pub fn unload(&self, rig: &str) -> Result<(), EngineError> {
+        self.store.remove(rig)?;
+        self.worker.sweep();
+        Ok(())
+    }
+
+    /// Every rig, by name.
+    pub fn rigs(&self) -> Vec<Arc<LoadedRig>> {
+        self.store.all()
+    }
+
+    /// Estimated memory of all rigs.
+    pub fn rig_bytes(&self) -> u64 {
+        self.store.bytes()
+    }
+
+    /// The rig of that name or digest.
+    ///
+    /// # Errors
+    /// [`EngineError::RigNotLoaded`].
+    pub fn rig(&self, rig: &str) -> Result<RigRef, EngineError> {
+        self.store.find(rig)
+    }
+
+    /// Changes the stored pose for good; `edit` is made for the rig that it is given.
+    ///
+    /// # Errors
+    /// As `edit` and the pose have them; the stored pose is then as it was.
+    pub fn set_pose(
+        &self,
+        rig: &str,
+        base: Base,
+        edit: impl FnOnce(&LoadedRig) -> Result<PoseEdit, EngineError>,
+    ) -> Result<(Arc<LoadedRig>, Vec<Clamped>), EngineError> {
+        self.store.update_pose(rig, |loaded, stored| {
+            let start = match base {
+                Base::Stored => stored.clone(),
+                Base::Rest => Pose::rest(&loaded.rig),
+            };
+            let (pose, clamped) = start.edited(&edit(loaded)?)?;
+            // A pose that cannot be worked out is not kept either.
+            Posed::new(&pose)?;
+            Ok((pose, clamped))
+        })
+    }
+
+    /// # Errors
+    /// [`EngineError::RigNotLoaded`].
+    pub fn reset_pose(&self, rig: &str) -> Result<(), EngineError> {
+        self.store
+            .update_pose(rig, |loaded, _| Ok((Pose::rest(&loaded.rig), Vec::new())))?;
+        Ok(())
+    }
+
+    /// Has the renderer work on `plan`; `done` runs on a pool thread, exactly once, whatever happens.
+    pub fn run(&self, plan: Plan, urgency: Urgency, ticket: Ticket, done: Answered) {
+        self.worker.take(Job::new(plan, urgency, ticket, done));
+    }
+
+    /// As [`Engine::run`], and waits.
+    ///
+    /// # Errors
+    /// As rendering has them.
+    pub fn run_and_wait(&self, plan: Plan) -> Result<crate::render::Outputs, EngineError> {
+        let (sender, receiver) = std::sync::mpsc::channel();
+        let ticket = self.admission.admit()?;
+        let done: Answered = Box::new(move |result| {
+            let _ = sender.send(result);
+        });
+        self.run(plan, Urgency::default(), ticket, done);
+        let gone = |_| EngineError::Internal {
+            reason: "the renderer is gone".to_owned(),
+        };
+        receiver.recv().map_err(gone)?.map(|(outputs, _)| outputs)
+    }
+
+    /// Destroys the device, to see what a driver's crash would do.
+    #[doc(hidden)]
+    pub fn lose_device(&self) {
+        self.worker.lose_device();
+    }
+}
+
+/// A PNG of a frame.
+///
+/// # Errors
+/// [`EngineError::Internal`].
+pub fn encode_png(
+    frame: &crate::frame::Frame,
+    compression: encode::Compression,
+) -> Result<Vec<u8>, EngineError> {
+    encode::png(frame, compression).map_err(|error| EngineError::Internal {
+        reason: error.to_string(),
+    })
+}

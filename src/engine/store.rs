@@ -1,0 +1,199 @@
+//! The loaded rigs by name, each with its stored pose.
+
+use super::EngineError;
+use crate::formats::Loaded;
+use crate::limits::Limits;
+use crate::pose::{Clamped, Palette, Pose, Posed};
+use crate::render::cpu;
+use crate::rig::Rig;
+use crate::scene::Bounds;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// A rig as it was loaded.
+#[derive(Debug)]
+pub struct LoadedRig {
+    pub name: String,
+    /// `sha256:` and 64 hexadecimal digits.
+    pub digest: String,
+    /// Which reader read each file.
+    pub dialects: Vec<&'static str>,
+    pub rig: Arc<Rig>,
+    /// Of skinned vertices and joints at rest, in world space.
+    pub rest_bounds: Bounds,
+}
+
+/// A rig as a request named it, with the pose that was stored at that moment.
+#[derive(Debug, Clone)]
+pub struct RigRef {
+    pub loaded: Arc<LoadedRig>,
+    pub stored: Pose,
+    /// Whether the request gave the digest rather than the name.
+    pub by_digest: bool,
+}
+
+struct Entry {
+    loaded: Arc<LoadedRig>,
+    stored: Pose,
+}
+
+pub(super) struct Store {
+    entries: Mutex<BTreeMap<String, Entry>>,
+    limits: Limits,
+}
+
+impl Store {
+    pub fn new(limits: Limits) -> Self {
+        Self {
+            entries: Mutex::default(),
+            limits,
+        }
+    }
+
+    pub fn keep(
+        &self,
+        name: Option<&str>,
+        loaded: Loaded,
+        replace: bool,
+    ) -> Result<Arc<LoadedRig>, EngineError> {
+        let Loaded {
+            rig,
+            name: stem,
+            digest,
+            dialects,
+        } = loaded;
+        let name = name.unwrap_or(&stem).to_owned();
+        if let Some(same) = self.same_as(&name, &digest) {
+            return Ok(same);
+        }
+        let rig = Arc::new(rig);
+        let stored = Pose::rest(&rig);
+        let rest_bounds = bounds_of(&Posed::new(&stored)?);
+        let bytes = rig.memory_bytes();
+        let loaded = Arc::new(LoadedRig {
+            name: name.clone(),
+            digest,
+            dialects,
+            rig,
+            rest_bounds,
+        });
+
+        let mut entries = self.lock();
+        // Asked again under the lock: two connections may have been loading the same name.
+        match entries.get(&name) {
+            Some(entry) if entry.loaded.digest == loaded.digest => {
+                return Ok(Arc::clone(&entry.loaded));
+            }
+            Some(_) if !replace => return Err(EngineError::RigNameTaken { rig: name }),
+            _ => {}
+        }
+        let others = entries.iter().filter(|(other, _)| **other != name);
+        let (count, other_bytes) = others.fold((0u64, 0u64), |(count, bytes), (_, entry)| {
+            (count + 1, bytes + entry.loaded.rig.memory_bytes())
+        });
+        self.limits.rigs(count + 1)?;
+        self.limits.rig_bytes(other_bytes + bytes)?;
+        entries.insert(
+            name,
+            Entry {
+                loaded: Arc::clone(&loaded),
+                stored,
+            },
+        );
+        Ok(loaded)
+    }
+
+    fn same_as(&self, name: &str, digest: &str) -> Option<Arc<LoadedRig>> {
+        let entries = self.lock();
+        let same = entries
+            .get(name)
+            .filter(|entry| entry.loaded.digest == digest);
+        same.map(|entry| Arc::clone(&entry.loaded))
+    }
+
+    pub fn remove(&self, rig: &str) -> Result<(), EngineError> {
+        let mut entries = self.lock();
+        let name = name_of(&entries, rig)?;
+        entries.remove(&name);
+        Ok(())
+    }
+
+    pub fn find(&self, rig: &str) -> Result<RigRef, EngineError> {
+        let entries = self.lock();
+        let name = name_of(&entries, rig)?;
+        let entry = &entries[&name];
+        Ok(RigRef {
+            loaded: Arc::clone(&entry.loaded),
+            stored: entry.stored.clone(),
+            by_digest: name != rig,
+        })
+    }
+
+    pub fn all(&self) -> Vec<Arc<LoadedRig>> {
+        self.lock()
+            .values()
+            .map(|entry| Arc::clone(&entry.loaded))
+            .collect()
+    }
+
+    pub fn bytes(&self) -> u64 {
+        self.lock()
+            .values()
+            .map(|entry| entry.loaded.rig.memory_bytes())
+            .sum()
+    }
+
+    /// The lock is held from reading the stored pose to writing it, so that no change of another connection is lost.
+    pub fn update_pose(
+        &self,
+        rig: &str,
+        update: impl FnOnce(&LoadedRig, &Pose) -> Result<(Pose, Vec<Clamped>), EngineError>,
+    ) -> Result<(Arc<LoadedRig>, Vec<Clamped>), EngineError> {
+        let mut entries = self.lock();
+        let name = name_of(&entries, rig)?;
+        let not_loaded = || EngineError::RigNotLoaded {
+            rig: rig.to_owned(),
+        };
+        let entry = entries.get_mut(&name).ok_or_else(not_loaded)?;
+        let (pose, clamped) = update(&entry.loaded, &entry.stored)?;
+        entry.stored = pose;
+        Ok((Arc::clone(&entry.loaded), clamped))
+    }
+
+    fn lock(&self) -> MutexGuard<'_, BTreeMap<String, Entry>> {
+        // Entries are replaced whole, so a panic elsewhere left none half-written.
+        self.entries.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The name of the rig of that name, else of the first by name that has that digest.
+fn name_of(entries: &BTreeMap<String, Entry>, rig: &str) -> Result<String, EngineError> {
+    if entries.contains_key(rig) {
+        return Ok(rig.to_owned());
+    }
+    let by_digest = entries.iter().find(|(_, entry)| entry.loaded.digest == rig);
+    let name = by_digest.map(|(name, _)| name.clone());
+    name.ok_or_else(|| EngineError::RigNotLoaded {
+        rig: rig.to_owned(),
+    })
+}
+
+/// Of skinned vertices and joints. A rig without either is a point at the origin.
+fn bounds_of(posed: &Posed) -> Bounds {
+    let palette: &Palette = posed.palette();
+    let vertices = posed
+        .rig()
+        .meshes()
+        .iter()
+        .flat_map(|mesh| cpu::skin_mesh(mesh, palette));
+    let joints = posed
+        .world_from_joint()
+        .iter()
+        .map(|world_from_joint| world_from_joint.translation);
+    Bounds::of(
+        vertices
+            .map(|vertex| vertex.position.as_dvec3())
+            .chain(joints),
+    )
+    .unwrap_or(Bounds::ORIGIN)
+}

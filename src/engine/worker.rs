@@ -1,0 +1,313 @@
+//! The one thread that owns the renderer. It takes what waits, keeps a few plans in flight, and hands results to the pool.
+
+use super::{EngineError, RendererChoice, Ticket};
+use crate::encode::Pool;
+use crate::render::gpu::{AdapterError, AdapterInfo, Capabilities, Gpu, InFlight};
+use crate::render::{Outputs, Plan, RenderError};
+use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// How a job's outputs, or what kept it from having any, reach whoever asked.
+pub type Answered = Box<dyn FnOnce(Result<(Outputs, Timings), EngineError>) + Send>;
+
+/// What a job's time went into.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Timings {
+    /// From being taken on to being given to the renderer.
+    pub queue: Duration,
+    /// From there to its outputs in memory.
+    pub render: Duration,
+}
+
+/// Until when, and whether at all, an answer is still of interest.
+#[derive(Debug, Clone, Default)]
+pub struct Urgency {
+    pub deadline: Option<Instant>,
+    pub cancelled: Arc<AtomicBool>,
+}
+
+impl Urgency {
+    /// # Errors
+    /// [`EngineError::Cancelled`] or [`EngineError::DeadlineExceeded`], once that is so.
+    pub fn check(&self) -> Result<(), EngineError> {
+        if self.cancelled.load(Ordering::Relaxed) {
+            return Err(EngineError::Cancelled);
+        }
+        match self.deadline {
+            Some(deadline) if Instant::now() >= deadline => Err(EngineError::DeadlineExceeded),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A plan and who waits for it. Answered exactly once: on drop at the latest.
+pub(super) struct Job {
+    plan: Plan,
+    urgency: Urgency,
+    taken: Instant,
+    reply: Reply,
+}
+
+struct Reply {
+    done: Option<Answered>,
+    /// Held until answered.
+    _ticket: Ticket,
+}
+
+impl Reply {
+    fn send(mut self, result: Result<(Outputs, Timings), EngineError>) {
+        if let Some(done) = self.done.take() {
+            done(result);
+        }
+    }
+}
+
+impl Drop for Reply {
+    fn drop(&mut self) {
+        if let Some(done) = self.done.take() {
+            done(Err(EngineError::ShuttingDown));
+        }
+    }
+}
+
+impl Job {
+    pub fn new(plan: Plan, urgency: Urgency, ticket: Ticket, done: Answered) -> Self {
+        let reply = Reply {
+            done: Some(done),
+            _ticket: ticket,
+        };
+        Self {
+            plan,
+            urgency,
+            taken: Instant::now(),
+            reply,
+        }
+    }
+}
+
+enum Message {
+    Job(Box<Job>),
+    /// Rigs were unloaded.
+    Sweep,
+    LoseDevice,
+}
+
+/// A handle to the thread; dropping it lets the thread finish what it has and waits for that.
+pub(super) struct Worker {
+    messages: Option<Sender<Message>>,
+    thread: Option<JoinHandle<()>>,
+    adapter: AdapterInfo,
+    capabilities: Capabilities,
+    gpu_bytes: Arc<AtomicU64>,
+}
+
+impl Worker {
+    pub fn open(choice: RendererChoice, pool: Pool) -> Result<Self, AdapterError> {
+        let gpu = Gpu::open(&choice.adapter, choice.require_gpu)?;
+        let (adapter, capabilities) = (gpu.adapter().clone(), gpu.capabilities());
+        let (messages, inbox) = channel();
+        let gpu_bytes = Arc::new(AtomicU64::new(gpu.memory_bytes()));
+        let thread = Thread {
+            gpu: Some(gpu),
+            choice,
+            pool: Arc::new(pool),
+            inbox,
+            in_flight: VecDeque::new(),
+            gpu_bytes: Arc::clone(&gpu_bytes),
+        };
+        let spawned = std::thread::Builder::new()
+            .name("renderer".to_owned())
+            .spawn(move || thread.run());
+        let thread = spawned.map_err(|error| AdapterError::NoDevice {
+            adapter: adapter.to_string(),
+            reason: format!("no thread for it: {error}"),
+        })?;
+        Ok(Self {
+            messages: Some(messages),
+            thread: Some(thread),
+            adapter,
+            capabilities,
+            gpu_bytes,
+        })
+    }
+
+    pub fn adapter(&self) -> &AdapterInfo {
+        &self.adapter
+    }
+
+    pub fn capabilities(&self) -> Capabilities {
+        self.capabilities
+    }
+
+    pub fn gpu_bytes(&self) -> u64 {
+        self.gpu_bytes.load(Ordering::Relaxed)
+    }
+
+    pub fn take(&self, job: Job) {
+        // A thread that is gone drops the message, and with it answers the job.
+        self.send(Message::Job(Box::new(job)));
+    }
+
+    pub fn sweep(&self) {
+        self.send(Message::Sweep);
+    }
+
+    pub fn lose_device(&self) {
+        self.send(Message::LoseDevice);
+    }
+
+    fn send(&self, message: Message) {
+        if let Some(messages) = &self.messages {
+            let _ = messages.send(message);
+        }
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.messages = None;
+        if let Some(thread) = self.thread.take() {
+            // It catches panics itself; should one escape, there is nobody left to tell.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Work that the device has.
+struct Started {
+    in_flight: InFlight,
+    urgency: Urgency,
+    taken: Instant,
+    started: Instant,
+    reply: Reply,
+}
+
+struct Thread {
+    /// `None` after a loss, until the next job opens it anew.
+    gpu: Option<Gpu>,
+    choice: RendererChoice,
+    pool: Arc<Pool>,
+    inbox: Receiver<Message>,
+    in_flight: VecDeque<Started>,
+    gpu_bytes: Arc<AtomicU64>,
+}
+
+/// Plans on the device at a time: one is drawn while one is read back.
+const DEPTH: usize = 2;
+
+impl Thread {
+    fn run(mut self) {
+        loop {
+            let message = if self.in_flight.is_empty() {
+                // Nothing to do but wait.
+                match self.inbox.recv() {
+                    Ok(message) => Some(message),
+                    Err(_) => return,
+                }
+            } else if self.in_flight.len() < DEPTH {
+                match self.inbox.try_recv() {
+                    Ok(message) => Some(message),
+                    Err(TryRecvError::Empty | TryRecvError::Disconnected) => None,
+                }
+            } else {
+                None
+            };
+            match message {
+                Some(Message::Job(job)) => self.start(*job),
+                Some(Message::Sweep) => self.gpu.iter_mut().for_each(Gpu::sweep),
+                Some(Message::LoseDevice) => self.gpu.iter().for_each(Gpu::lose_device),
+                None => self.finish_oldest(),
+            }
+            let bytes = self.gpu.as_ref().map_or(0, Gpu::memory_bytes);
+            self.gpu_bytes.store(bytes, Ordering::Relaxed);
+        }
+    }
+
+    fn start(&mut self, job: Job) {
+        let Job {
+            plan,
+            urgency,
+            taken,
+            reply,
+        } = job;
+        if let Err(error) = urgency.check() {
+            return self.answer(reply, Err(error));
+        }
+        let started = Instant::now();
+        match self.guarded(|gpu| gpu.submit(&plan)) {
+            Ok(in_flight) => self.in_flight.push_back(Started {
+                in_flight,
+                urgency,
+                taken,
+                started,
+                reply,
+            }),
+            Err(error) => self.fail(reply, error),
+        }
+    }
+
+    fn finish_oldest(&mut self) {
+        let Some(oldest) = self.in_flight.pop_front() else {
+            return;
+        };
+        let Started {
+            in_flight,
+            urgency,
+            taken,
+            started,
+            reply,
+        } = oldest;
+        match self.guarded(|gpu| gpu.finish(in_flight)) {
+            Ok(outputs) => {
+                let timings = Timings {
+                    queue: started - taken,
+                    render: started.elapsed(),
+                };
+                self.answer(reply, urgency.check().map(|()| (outputs, timings)));
+            }
+            Err(error) => self.fail(reply, error),
+        }
+    }
+
+    /// Answers a job that failed. A lost device takes everything in flight with it, and is opened anew for the next.
+    fn fail(&mut self, reply: Reply, error: RenderError) {
+        if let RenderError::DeviceLost { .. } = error {
+            eprintln!(
+                "rigd: {error}; {} more requests were on it",
+                self.in_flight.len()
+            );
+            self.gpu = None;
+            for Started { reply, .. } in std::mem::take(&mut self.in_flight) {
+                self.answer(reply, Err(error.clone().into()));
+            }
+        }
+        self.answer(reply, Err(error.into()));
+    }
+
+    fn answer(&self, reply: Reply, result: Result<(Outputs, Timings), EngineError>) {
+        self.pool.spawn(move || reply.send(result));
+    }
+
+    /// Runs `work` on the device, opened anew if it was lost; a driver's panic counts as a loss.
+    fn guarded<T>(
+        &mut self,
+        work: impl FnOnce(&mut Gpu) -> Result<T, RenderError>,
+    ) -> Result<T, RenderError> {
+        let lost = |reason: String| RenderError::DeviceLost { reason };
+        if self.gpu.is_none() {
+            let opened = Gpu::open(&self.choice.adapter, self.choice.require_gpu);
+            self.gpu = Some(opened.map_err(|error| lost(error.to_string()))?);
+        }
+        let Some(gpu) = self.gpu.as_mut() else {
+            return Err(lost("it is not open".to_owned()));
+        };
+        // On a panic the renderer is dropped as a whole, so nothing half-changed is seen again.
+        let caught = catch_unwind(AssertUnwindSafe(|| work(gpu)));
+        caught.unwrap_or_else(|_| Err(lost("the driver panicked".to_owned())))
+    }
+}

@@ -1,0 +1,11 @@
+//! rigd
+#![forbid(unsafe_code)]
+pub mod encode;
+pub mod engine;
+pub mod formats;
+pub mod frame;
+pub mod limits;
+pub mod pose;
+pub mod render;
+pub mod rig;
+pub mod scene;

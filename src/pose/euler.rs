@@ -1,0 +1,121 @@
+//! Between three angles in a joint's own order and a quaternion, with and without limits.
+
+use crate::rig::{Limit, RotationOrder};
+use glam::{DQuat, DVec3, EulerRot};
+use std::f64::consts::{PI, TAU};
+
+/// Radians by which a quaternion may miss a limit and still be kept as it is: what float32 on the wire loses.
+const LIMIT_TOLERANCE: f64 = 1e-6;
+
+/// `angles` are about x, y, z.
+pub(super) fn quaternion_of(angles: DVec3, order: RotationOrder) -> DQuat {
+    match order {
+        RotationOrder::Zyx => DQuat::from_euler(EulerRot::ZYX, angles.z, angles.y, angles.x),
+        RotationOrder::Xyz => DQuat::from_euler(EulerRot::XYZ, angles.x, angles.y, angles.z),
+    }
+}
+
+/// The triple whose middle angle lies within ±π/2.
+pub(super) fn angles_of(quaternion: DQuat, order: RotationOrder) -> DVec3 {
+    match order {
+        RotationOrder::Zyx => {
+            let (z, y, x) = quaternion.to_euler(EulerRot::ZYX);
+            DVec3::new(x, y, z)
+        }
+        RotationOrder::Xyz => quaternion.to_euler(EulerRot::XYZ).into(),
+    }
+}
+
+/// How a quaternion stands to the limits of its joint.
+pub(super) enum Fit {
+    /// One of its triples of angles is inside.
+    Inside,
+    /// None is; `used` is the one nearest to the limits, clamped.
+    Clamped { asked: DVec3, used: DVec3 },
+}
+
+/// Tries both triples of angles that make `quaternion`, each angle also a full turn up or down.
+pub(super) fn fit(quaternion: DQuat, order: RotationOrder, limits: &[Limit; 3]) -> Fit {
+    let first = angles_of(quaternion, order);
+    // The same rotation the other way around the middle axis, in either order.
+    let second = DVec3::new(first.x + PI, PI - first.y, first.z + PI);
+    let [(asked, excess), other] = [first, second].map(|triple| nearest_turns(triple, limits));
+    let (asked, excess) = if other.1 < excess {
+        other
+    } else {
+        (asked, excess)
+    };
+    if excess <= LIMIT_TOLERANCE {
+        return Fit::Inside;
+    }
+    let clamp = |i: usize| limits[i].clamp(asked[i]);
+    Fit::Clamped {
+        asked,
+        used: DVec3::new(clamp(0), clamp(1), clamp(2)),
+    }
+}
+
+/// Each angle at the turn that comes nearest to its limits, and the largest distance by which one still misses them.
+fn nearest_turns(angles: DVec3, limits: &[Limit; 3]) -> (DVec3, f64) {
+    let excess = |limit: Limit, angle: f64| (angle - limit.clamp(angle)).abs();
+    let nearest = |i: usize| {
+        let angle = angles[i] - TAU * libm::round(angles[i] / TAU);
+        let turns = [angle, angle - TAU, angle + TAU];
+        turns.into_iter().fold(angle, |best, turn| {
+            if excess(limits[i], turn) < excess(limits[i], best) {
+                turn
+            } else {
+                best
+            }
+        })
+    };
+    let turned = DVec3::new(nearest(0), nearest(1), nearest(2));
+    let worst = (0..3)
+        .map(|i| excess(limits[i], turned[i]))
+        .fold(0.0, f64::max);
+    (turned, worst)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_multiply_in_the_order_named() {
+        let angles = DVec3::new(0.3, -0.8, 1.9);
+        let [x, y, z] = [
+            DQuat::from_rotation_x(0.3),
+            DQuat::from_rotation_y(-0.8),
+            DQuat::from_rotation_z(1.9),
+        ];
+        assert!(quaternion_of(angles, RotationOrder::Zyx).angle_between(z * y * x) < 1e-7);
+        assert!(quaternion_of(angles, RotationOrder::Xyz).angle_between(x * y * z) < 1e-7);
+        assert!(quaternion_of(angles, RotationOrder::Zyx).angle_between(x * y * z) > 0.1);
+    }
+
+    #[test]
+    fn angles_come_back() {
+        for order in [RotationOrder::Zyx, RotationOrder::Xyz] {
+            let angles = DVec3::new(2.3, -1.2, -3.0);
+            assert!(angles_of(quaternion_of(angles, order), order).distance(angles) < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_second_triple_and_full_turns_are_tried() {
+        let range = |min, max| Limit { min, max };
+        // (0.1, 2, 0.1) has its middle angle past pi/2, so only the second triple is inside.
+        let limits = [range(0.0, 0.2), range(1.5, 2.5), range(0.0, 0.2)];
+        let quaternion = quaternion_of(DVec3::new(0.1, 2.0, 0.1), RotationOrder::Zyx);
+        assert!(matches!(
+            fit(quaternion, RotationOrder::Zyx, &limits),
+            Fit::Inside
+        ));
+        // 3.5 radians read back as 3.5 - 2 pi.
+        let limits = [Limit::NONE, Limit::NONE, range(3.0, 4.0)];
+        assert!(matches!(
+            fit(DQuat::from_rotation_z(3.5), RotationOrder::Zyx, &limits),
+            Fit::Inside
+        ));
+    }
+}

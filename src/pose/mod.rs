@@ -1,0 +1,382 @@
+//! What a rig's joints are turned to: [`Pose`] holds it, [`PoseEdit`] changes it within limits, [`Posed`] is its outcome.
+//! Never lives here: vertices, and names (callers resolve them to indices).
+
+mod euler;
+mod kinematics;
+
+pub use kinematics::{Palette, PoseOutOfRange, Posed, SkinMatrix};
+
+use crate::rig::{Axis, Dof, DofKind, Joint, Rig};
+use euler::Fit;
+use glam::{DQuat, DVec3};
+use std::sync::Arc;
+
+/// A local rotation in the form it was given in. A quaternion stays one until an angle of its joint is set, so that it is never
+/// squeezed through angles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Rotation {
+    /// Radians about x, y, z, multiplied in the joint's own order.
+    Angles(DVec3),
+    /// Unit length.
+    Quaternion(DQuat),
+}
+
+impl Rotation {
+    fn angles(self, joint: &Joint) -> DVec3 {
+        match self {
+            Self::Angles(angles) => angles,
+            Self::Quaternion(quaternion) => euler::angles_of(quaternion, joint.rotation_order),
+        }
+    }
+
+    fn quaternion(self, joint: &Joint) -> DQuat {
+        match self {
+            Self::Angles(angles) => euler::quaternion_of(angles, joint.rotation_order),
+            Self::Quaternion(quaternion) => quaternion,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+struct JointPose {
+    /// From rest, in the parent's frame.
+    displacement: DVec3,
+    rotation: Rotation,
+}
+
+/// The state of every joint of one rig, in f64.
+#[derive(Debug, Clone)]
+pub struct Pose {
+    rig: Arc<Rig>,
+    joints: Vec<JointPose>,
+}
+
+/// What to do with a value past its limits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LimitPolicy {
+    /// Use the nearest value inside and report it.
+    #[default]
+    Clamp,
+    /// Refuse the whole edit.
+    Reject,
+    /// Take it as it is.
+    Ignore,
+}
+
+/// Changes to a [`Pose`]: rotations first, then DOFs. Numbers are finite, quaternions of unit length, indices in range.
+#[derive(Debug, Clone, Default)]
+pub struct PoseEdit {
+    /// `(joint, local rotation)`
+    pub rotations: Vec<(usize, DQuat)>,
+    /// `(index into the rig's DOFs, value)`
+    pub dofs: Vec<(usize, f64)>,
+    pub limits: LimitPolicy,
+}
+
+/// A value that a limit changed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clamped {
+    /// Index into the rig's DOFs.
+    pub dof: usize,
+    pub asked: f64,
+    pub used: f64,
+}
+
+/// A value past its limits that [`LimitPolicy::Reject`] refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("`{dof}` of {asked} is outside its limits {min}..{max}")]
+pub struct OutsideLimits {
+    pub dof: String,
+    pub asked: f64,
+    pub min: f64,
+    pub max: f64,
+}
+
+impl Pose {
+    /// The file's own pose.
+    pub fn rest(rig: &Arc<Rig>) -> Self {
+        let at_rest = |joint: &Joint| JointPose {
+            displacement: DVec3::ZERO,
+            rotation: Rotation::Angles(joint.rest_angles),
+        };
+        Self {
+            joints: rig.skeleton().joints().iter().map(at_rest).collect(),
+            rig: Arc::clone(rig),
+        }
+    }
+
+    pub fn rig(&self) -> &Arc<Rig> {
+        &self.rig
+    }
+
+    /// The value of every DOF, in the order of the rig's DOFs.
+    pub fn dof_values(&self) -> Vec<f64> {
+        self.rig
+            .dofs()
+            .all()
+            .iter()
+            .map(|dof| self.value(dof))
+            .collect()
+    }
+
+    fn value(&self, dof: &Dof) -> f64 {
+        let joint = &self.joints[dof.joint];
+        match dof.kind {
+            DofKind::Translation(axis) => joint.displacement[axis.index()],
+            DofKind::Rotation(axis) => joint.rotation.angles(self.joint(dof.joint))[axis.index()],
+        }
+    }
+
+    /// Of a joint in its parent's frame: where its origin is and how it is turned.
+    pub fn local(&self, joint: usize) -> (DVec3, DQuat) {
+        let JointPose {
+            displacement,
+            rotation,
+        } = self.joints[joint];
+        (
+            self.joint(joint).offset + displacement,
+            rotation.quaternion(self.joint(joint)),
+        )
+    }
+
+    /// The pose after the edit, and what limits changed on the way. `self` stays as it is.
+    ///
+    /// # Errors
+    /// [`OutsideLimits`] under [`LimitPolicy::Reject`].
+    pub fn edited(&self, edit: &PoseEdit) -> Result<(Self, Vec<Clamped>), OutsideLimits> {
+        let mut next = self.clone();
+        let mut clamped = Vec::new();
+        for &(joint, quaternion) in &edit.rotations {
+            next.set_rotation(joint, quaternion, edit.limits, &mut clamped)?;
+        }
+        for &(dof, asked) in &edit.dofs {
+            let limit = next.rig.dofs().all()[dof].limit;
+            let mut used = asked;
+            if edit.limits != LimitPolicy::Ignore && !limit.contains(asked) {
+                used = limit.clamp(asked);
+                next.note(Clamped { dof, asked, used }, edit.limits, &mut clamped)?;
+            }
+            next.set_dof(dof, used);
+        }
+        Ok((next, clamped))
+    }
+
+    fn set_dof(&mut self, dof: usize, value: f64) {
+        let rig = Arc::clone(&self.rig);
+        let Dof { joint, kind, .. } = &rig.dofs().all()[dof];
+        let pose = &mut self.joints[*joint];
+        match kind {
+            DofKind::Translation(axis) => pose.displacement[axis.index()] = value,
+            DofKind::Rotation(axis) => {
+                let mut angles = pose.rotation.angles(&rig.skeleton().joints()[*joint]);
+                angles[axis.index()] = value;
+                pose.rotation = Rotation::Angles(angles);
+            }
+        }
+    }
+
+    fn set_rotation(
+        &mut self,
+        joint: usize,
+        quaternion: DQuat,
+        policy: LimitPolicy,
+        clamped: &mut Vec<Clamped>,
+    ) -> Result<(), OutsideLimits> {
+        let of_joint = self.joint(joint);
+        let fit = if policy == LimitPolicy::Ignore || !of_joint.is_limited() {
+            Fit::Inside
+        } else {
+            euler::fit(
+                quaternion,
+                of_joint.rotation_order,
+                &of_joint.rotation_limits,
+            )
+        };
+        self.joints[joint].rotation = match fit {
+            Fit::Inside => Rotation::Quaternion(quaternion),
+            Fit::Clamped { asked, used } => {
+                for axis in Axis::ALL {
+                    let (asked, used) = (asked[axis.index()], used[axis.index()]);
+                    if asked != used {
+                        let dof = self.rig.dofs().rotation(joint, axis);
+                        self.note(Clamped { dof, asked, used }, policy, clamped)?;
+                    }
+                }
+                Rotation::Angles(used)
+            }
+        };
+        Ok(())
+    }
+
+    fn note(
+        &self,
+        value: Clamped,
+        policy: LimitPolicy,
+        clamped: &mut Vec<Clamped>,
+    ) -> Result<(), OutsideLimits> {
+        if policy == LimitPolicy::Reject {
+            let dof = &self.rig.dofs().all()[value.dof];
+            let (min, max) = (dof.limit.min, dof.limit.max);
+            return Err(OutsideLimits {
+                dof: dof.name.clone(),
+                asked: value.asked,
+                min,
+                max,
+            });
+        }
+        clamped.push(value);
+        Ok(())
+    }
+
+    fn joint(&self, index: usize) -> &Joint {
+        &self.rig.skeleton().joints()[index]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::limits::Limits;
+    use crate::rig::{Draft, JointDraft, Limit, RotationOrder};
+    use std::f64::consts::PI;
+
+    fn joint(parent: Option<usize>, limits: [Limit; 3]) -> JointDraft {
+        JointDraft {
+            name: String::new(),
+            parent,
+            offset: DVec3::Y,
+            rotation_order: RotationOrder::Zyx,
+            rest_angles: DVec3::ZERO,
+            rotation_limits: limits,
+            translates: parent.is_none(),
+            bounding_box: None,
+        }
+    }
+
+    /// A free root and a hinge about z that opens to 2 radians.
+    fn hinge() -> Pose {
+        let lock = Limit { min: 0.0, max: 0.0 };
+        let open = Limit { min: 0.0, max: 2.0 };
+        let joints = vec![
+            joint(None, [Limit::NONE; 3]),
+            joint(Some(0), [lock, lock, open]),
+        ];
+        let rig = Draft {
+            joints,
+            ..Draft::default()
+        }
+        .build(&Limits::default())
+        .expect("a valid draft");
+        Pose::rest(&Arc::new(rig))
+    }
+
+    fn turn(joint: usize, quaternion: DQuat) -> PoseEdit {
+        PoseEdit {
+            rotations: vec![(joint, quaternion)],
+            ..PoseEdit::default()
+        }
+    }
+
+    #[test]
+    fn dofs_stand_in_the_promised_order() {
+        let pose = hinge();
+        let names: Vec<_> = pose
+            .rig
+            .dofs()
+            .all()
+            .iter()
+            .map(|dof| dof.name.as_str())
+            .collect();
+        let root = ["tx", "ty", "tz", "rx", "ry", "rz"].map(|suffix| format!("joint_0.{suffix}"));
+        let hinge = ["rx", "ry", "rz"].map(|suffix| format!("joint_1.{suffix}"));
+        assert_eq!(names, [root.as_slice(), hinge.as_slice()].concat());
+    }
+
+    #[test]
+    fn a_value_past_its_limit_is_clamped_refused_or_taken() {
+        let pose = hinge();
+        let dof = pose.rig.dofs().named("joint_1.rz").expect("the hinge");
+        let edit = |limits| PoseEdit {
+            dofs: vec![(dof, 5.0)],
+            limits,
+            ..PoseEdit::default()
+        };
+        let (clamped_pose, clamped) = pose
+            .edited(&edit(LimitPolicy::Clamp))
+            .expect("clamping accepts");
+        assert_eq!(
+            clamped,
+            [Clamped {
+                dof,
+                asked: 5.0,
+                used: 2.0
+            }]
+        );
+        assert_eq!(clamped_pose.dof_values()[dof], 2.0);
+        assert!(pose.edited(&edit(LimitPolicy::Reject)).is_err());
+        assert_eq!(
+            pose.edited(&edit(LimitPolicy::Ignore))
+                .expect("taken")
+                .0
+                .dof_values()[dof],
+            5.0
+        );
+        assert_eq!(
+            pose.dof_values()[dof],
+            0.0,
+            "an edit leaves the pose it started from alone"
+        );
+    }
+
+    #[test]
+    fn an_unlimited_joint_keeps_its_quaternion_at_the_singularity() {
+        let quaternion = euler::quaternion_of(DVec3::new(0.3, PI / 2.0, -1.1), RotationOrder::Zyx);
+        let (pose, clamped) = hinge().edited(&turn(0, quaternion)).expect("no limits");
+        assert_eq!(pose.local(0).1, quaternion);
+        assert!(clamped.is_empty());
+    }
+
+    #[test]
+    fn a_limited_joint_keeps_a_quaternion_that_one_of_its_triples_allows() {
+        // The hinge at 2 radians is also (pi, pi, 2 - pi): only the first triple is inside.
+        let quaternion = -DQuat::from_rotation_z(2.0);
+        let (pose, clamped) = hinge().edited(&turn(1, quaternion)).expect("inside");
+        assert!(clamped.is_empty(), "{clamped:?}");
+        assert_eq!(pose.local(1).1, quaternion);
+    }
+
+    #[test]
+    fn a_limited_joint_clamps_a_quaternion_that_none_allows() {
+        let (pose, clamped) = hinge()
+            .edited(&turn(1, DQuat::from_rotation_z(2.5)))
+            .expect("clamped");
+        let dof = pose.rig.dofs().named("joint_1.rz").expect("the hinge");
+        assert_eq!(clamped.len(), 1);
+        assert_eq!((clamped[0].dof, clamped[0].used), (dof, 2.0));
+        assert!((clamped[0].asked - 2.5).abs() < 1e-12);
+        let refused = PoseEdit {
+            limits: LimitPolicy::Reject,
+            ..turn(1, DQuat::from_rotation_z(2.5))
+        };
+        assert!(hinge().edited(&refused).is_err());
+    }
+
+    #[test]
+    fn setting_an_angle_turns_a_quaternion_into_angles() {
+        let (pose, _) = hinge()
+            .edited(&turn(0, DQuat::from_rotation_x(0.4)))
+            .expect("no limits");
+        let dof = pose.rig.dofs().named("joint_0.rz").expect("the root");
+        let (pose, _) = pose
+            .edited(&PoseEdit {
+                dofs: vec![(dof, 0.2)],
+                ..PoseEdit::default()
+            })
+            .expect("no limits");
+        let values = pose.dof_values();
+        assert!(
+            (values[dof - 2] - 0.4).abs() < 1e-12 && values[dof] == 0.2,
+            "{values:?}"
+        );
+    }
+}

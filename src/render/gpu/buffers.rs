@@ -1,0 +1,117 @@
+//! Buffers that live as long as the device: some grow and stay, some go around between the device and the reader.
+
+use super::device::Device;
+use wgpu::{Buffer, BufferUsages};
+
+/// A buffer that is as large as the largest thing put into it so far.
+pub(super) struct Growing {
+    buffer: Buffer,
+    label: &'static str,
+    usage: BufferUsages,
+}
+
+impl Growing {
+    /// Room for small rigs, so that the first frames need no second allocation.
+    const FIRST_BYTES: u64 = 1 << 16;
+
+    pub fn new(device: &Device, label: &'static str, usage: BufferUsages) -> Self {
+        let usage = usage | BufferUsages::COPY_DST;
+        Self {
+            buffer: create(device, label, usage, Self::FIRST_BYTES),
+            label,
+            usage,
+        }
+    }
+
+    /// Whether the buffer was replaced by a larger one, and with it every bind group that names it.
+    pub fn reserve(&mut self, device: &Device, bytes: u64) -> bool {
+        let grows = bytes > self.buffer.size();
+        if grows {
+            let most = device.device.limits().max_buffer_size;
+            let roomy = bytes.next_power_of_two().min(most).max(bytes);
+            self.buffer = create(device, self.label, self.usage, roomy);
+        }
+        grows
+    }
+
+    pub fn buffer(&self) -> &Buffer {
+        &self.buffer
+    }
+}
+
+/// Buffers that the reader maps, lent to one submission each.
+#[derive(Default)]
+pub(super) struct Readbacks {
+    free: Vec<Buffer>,
+}
+
+impl Readbacks {
+    /// As many as can be in flight, and one to spare.
+    const KEPT: usize = 4;
+
+    pub fn lend(&mut self, device: &Device, bytes: u64) -> Buffer {
+        let fits = |buffer: &&(usize, &Buffer)| buffer.1.size() >= bytes;
+        let smallest = self
+            .free
+            .iter()
+            .enumerate()
+            .filter(|b| fits(&b))
+            .min_by_key(|(_, buffer)| buffer.size());
+        match smallest.map(|(index, _)| index) {
+            Some(index) => self.free.swap_remove(index),
+            None => {
+                let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
+                create(device, "readback.mapped", usage, bytes.next_power_of_two())
+            }
+        }
+    }
+
+    /// Takes an unmapped buffer back; past what is kept, the smallest goes.
+    pub fn give_back(&mut self, buffer: Buffer) {
+        self.free.push(buffer);
+        if self.free.len() > Self::KEPT {
+            let smallest = self
+                .free
+                .iter()
+                .enumerate()
+                .min_by_key(|(_, buffer)| buffer.size());
+            if let Some(index) = smallest.map(|(index, _)| index) {
+                self.free.swap_remove(index);
+            }
+        }
+    }
+
+    pub fn bytes(&self) -> u64 {
+        self.free.iter().map(Buffer::size).sum()
+    }
+}
+
+pub(super) fn create(device: &Device, label: &str, usage: BufferUsages, bytes: u64) -> Buffer {
+    let size = bytes
+        .next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT)
+        .max(wgpu::COPY_BUFFER_ALIGNMENT);
+    device.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size,
+        usage,
+        mapped_at_creation: false,
+    })
+}
+
+/// A buffer that holds `contents` and nothing else, ever.
+pub(super) fn filled<T: bytemuck::NoUninit>(
+    device: &Device,
+    label: &str,
+    usage: BufferUsages,
+    contents: &[T],
+) -> Buffer {
+    use wgpu::util::DeviceExt;
+    let contents = bytemuck::cast_slice(contents);
+    device
+        .device
+        .create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some(label),
+            contents,
+            usage,
+        })
+}

@@ -1,0 +1,261 @@
+//! Stage 1 on the device, `shaders/skin.wgsl`: every vertex of every instance, once, into one buffer that draws and queries read.
+
+use super::buffers::Growing;
+use super::device::Device;
+use super::layout::SkinJob;
+use super::shaders;
+use super::upload::{GpuMesh, Uploads};
+use crate::pose::SkinMatrix;
+use crate::render::Instance;
+use wgpu::{BufferUsages, ShaderStages};
+
+/// Where one mesh of one instance lies in the skinned buffer.
+pub(super) struct SkinnedMesh {
+    pub instance: usize,
+    /// In the rig's meshes.
+    pub mesh: usize,
+    /// Among the rig's uploaded meshes.
+    pub uploaded: usize,
+    /// In bytes, three floats a vertex.
+    pub positions_start: u64,
+    pub normals_start: u64,
+}
+
+pub(super) struct SkinStage {
+    pipeline: wgpu::ComputePipeline,
+    job_layout: wgpu::BindGroupLayout,
+    pub mesh_layout: wgpu::BindGroupLayout,
+    jobs: Growing,
+    palette: Growing,
+    skinned: Growing,
+    bind_group: wgpu::BindGroup,
+    /// Bytes from one job to the next, as the device aligns them.
+    job_stride: u64,
+    /// Reused from frame to frame.
+    scratch: Scratch,
+}
+
+#[derive(Default)]
+struct Scratch {
+    palette: Vec<SkinMatrix>,
+    jobs: Vec<u8>,
+}
+
+impl SkinStage {
+    pub fn new(device: &Device) -> Self {
+        let job_layout = layout(
+            device,
+            "skin.job",
+            &[
+                wgpu::BufferBindingType::Uniform,
+                wgpu::BufferBindingType::Storage { read_only: true },
+                wgpu::BufferBindingType::Storage { read_only: false },
+            ],
+        );
+        let mesh_layout = layout(
+            device,
+            "skin.mesh",
+            &[wgpu::BufferBindingType::Storage { read_only: true }; 3],
+        );
+        let pipeline_layout =
+            device
+                .device
+                .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                    label: Some("skin.pipeline_layout"),
+                    bind_group_layouts: &[Some(&job_layout), Some(&mesh_layout)],
+                    immediate_size: 0,
+                });
+        let module = device
+            .device
+            .create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some("skin.shader"),
+                source: wgpu::ShaderSource::Wgsl(shaders::SKIN.into()),
+            });
+        let pipeline = device
+            .device
+            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some("skin.pipeline"),
+                layout: Some(&pipeline_layout),
+                module: &module,
+                entry_point: Some("skin"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            });
+        let jobs = Growing::new(device, "skin.jobs", BufferUsages::UNIFORM);
+        let palette = Growing::new(device, "skin.palette", BufferUsages::STORAGE);
+        let skinned_usage = BufferUsages::STORAGE | BufferUsages::VERTEX | BufferUsages::COPY_SRC;
+        let skinned = Growing::new(device, "skin.skinned", skinned_usage);
+        let bind_group = bind(device, &job_layout, &jobs, &palette, &skinned);
+        let alignment = u64::from(device.device.limits().min_uniform_buffer_offset_alignment);
+        let job_stride = (size_of::<SkinJob>() as u64).next_multiple_of(alignment);
+        let scratch = Scratch::default();
+        Self {
+            pipeline,
+            job_layout,
+            mesh_layout,
+            jobs,
+            palette,
+            skinned,
+            bind_group,
+            job_stride,
+            scratch,
+        }
+    }
+
+    /// The skinned vertices of what was [encoded](Self::encode) last.
+    pub fn skinned(&self) -> &wgpu::Buffer {
+        self.skinned.buffer()
+    }
+
+    pub fn bytes(&self) -> u64 {
+        [&self.jobs, &self.palette, &self.skinned]
+            .iter()
+            .map(|growing| growing.buffer().size())
+            .sum()
+    }
+
+    /// Writes palettes and records the skin pass. The rigs of all instances stand in `uploads`.
+    pub fn encode(
+        &mut self,
+        device: &Device,
+        uploads: &mut Uploads,
+        encoder: &mut wgpu::CommandEncoder,
+        instances: &[Instance],
+    ) -> Vec<SkinnedMesh> {
+        let Scratch { palette, jobs } = &mut self.scratch;
+        palette.clear();
+        jobs.clear();
+        let mut skinned = Vec::new();
+        let mut floats: u32 = 0;
+        for (instance, of_instance) in instances.iter().enumerate() {
+            let first_matrix = palette.len() as u32;
+            palette.extend_from_slice(of_instance.palette().matrices());
+            let rig = uploads.get(device, &self.mesh_layout, of_instance.rig());
+            for (
+                uploaded,
+                GpuMesh {
+                    index,
+                    vertex_count,
+                    ..
+                },
+            ) in rig.meshes.iter().enumerate()
+            {
+                let (positions_start, normals_start) = (floats, floats + 3 * vertex_count);
+                floats += 6 * vertex_count;
+                let job = SkinJob {
+                    vertex_count: *vertex_count,
+                    first_matrix,
+                    positions_start,
+                    normals_start,
+                };
+                jobs.extend_from_slice(bytemuck::bytes_of(&job));
+                jobs.resize(jobs.len().next_multiple_of(self.job_stride as usize), 0);
+                skinned.push(SkinnedMesh {
+                    instance,
+                    mesh: *index,
+                    uploaded,
+                    positions_start: 4 * u64::from(positions_start),
+                    normals_start: 4 * u64::from(normals_start),
+                });
+            }
+        }
+        let palette: &[u8] = bytemuck::cast_slice(palette);
+        let grew = [
+            self.jobs.reserve(device, jobs.len() as u64),
+            self.palette.reserve(device, palette.len() as u64),
+            self.skinned.reserve(device, 4 * u64::from(floats)),
+        ];
+        if grew.contains(&true) {
+            self.bind_group = bind(
+                device,
+                &self.job_layout,
+                &self.jobs,
+                &self.palette,
+                &self.skinned,
+            );
+        }
+        device.queue.write_buffer(self.palette.buffer(), 0, palette);
+        device.queue.write_buffer(self.jobs.buffer(), 0, jobs);
+
+        let descriptor = wgpu::ComputePassDescriptor {
+            label: Some("skin.pass"),
+            timestamp_writes: None,
+        };
+        let mut pass = encoder.begin_compute_pass(&descriptor);
+        pass.set_pipeline(&self.pipeline);
+        let mut offset = 0;
+        for of_instance in instances {
+            for mesh in &uploads
+                .get(device, &self.mesh_layout, of_instance.rig())
+                .meshes
+            {
+                pass.set_bind_group(0, &self.bind_group, &[offset]);
+                pass.set_bind_group(1, &mesh.bind_group, &[]);
+                let groups = mesh.vertex_count.div_ceil(shaders::WORKGROUP);
+                let rows = groups.div_ceil(MOST_GROUPS);
+                pass.dispatch_workgroups(groups.div_ceil(rows), rows, 1);
+                offset += self.job_stride as u32;
+            }
+        }
+        drop(pass);
+        skinned
+    }
+}
+
+/// Workgroups along one dimension that every adapter takes.
+const MOST_GROUPS: u32 = 65_535;
+
+fn layout(
+    device: &Device,
+    label: &str,
+    types: &[wgpu::BufferBindingType],
+) -> wgpu::BindGroupLayout {
+    let entry = |(binding, &ty): (u32, &wgpu::BufferBindingType)| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset: ty == wgpu::BufferBindingType::Uniform,
+            min_binding_size: None,
+        },
+        count: None,
+    };
+    let entries: Vec<_> = (0u32..).zip(types).map(entry).collect();
+    let descriptor = wgpu::BindGroupLayoutDescriptor {
+        label: Some(label),
+        entries: &entries,
+    };
+    device.device.create_bind_group_layout(&descriptor)
+}
+
+fn bind(
+    device: &Device,
+    layout: &wgpu::BindGroupLayout,
+    jobs: &Growing,
+    palette: &Growing,
+    skinned: &Growing,
+) -> wgpu::BindGroup {
+    let one_job = wgpu::BufferBinding {
+        buffer: jobs.buffer(),
+        offset: 0,
+        size: wgpu::BufferSize::new(size_of::<SkinJob>() as u64),
+    };
+    device.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("skin.job"),
+        layout,
+        entries: &[
+            wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::Buffer(one_job),
+            },
+            wgpu::BindGroupEntry {
+                binding: 1,
+                resource: palette.buffer().as_entire_binding(),
+            },
+            wgpu::BindGroupEntry {
+                binding: 2,
+                resource: skinned.buffer().as_entire_binding(),
+            },
+        ],
+    })
+}

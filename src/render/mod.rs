@@ -1,0 +1,10 @@
+//! From a [`Plan`] to [`Outputs`]. `gpu` and `cpu` are twins that never name each other.
+//! Never lives here: sockets, files, encoders.
+
+pub mod cpu;
+pub mod gpu;
+mod outputs;
+mod plan;
+
+pub use outputs::{Outputs, RenderError};
+pub use plan::{Instance, Picture, Plan, Segment, Shape, VertexQuery, Wanted};

@@ -1,0 +1,111 @@
+//! Surfaces in bind space and what they are bound to.
+
+use glam::{DAffine3, Vec2, Vec3};
+
+/// What a vertex can be bound to: a joint as it stood when the mesh was bound, or the world itself.
+#[derive(Debug, Clone, Copy)]
+pub struct Binding {
+    /// `None` leaves what is bound to it where it was modelled.
+    pub joint: Option<usize>,
+    /// The inverse bind matrix.
+    pub joint_from_bind: DAffine3,
+}
+
+impl Binding {
+    pub const WORLD: Self = Self {
+        joint: None,
+        joint_from_bind: DAffine3::IDENTITY,
+    };
+}
+
+/// A share of a vertex that follows one binding.
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Influence {
+    /// Index into [`Rig::bindings`](super::Rig::bindings).
+    pub binding: u32,
+    /// Weights of one vertex sum to 1.
+    pub weight: f32,
+}
+
+/// A triangle mesh in bind space, vertices in the file's own order.
+#[derive(Debug)]
+pub struct Mesh {
+    pub(super) name: String,
+    pub(super) positions: Vec<Vec3>,
+    pub(super) normals: Vec<Vec3>,
+    pub(super) texcoords: Option<Vec<Vec2>>,
+    pub(super) influence_starts: Vec<u32>,
+    pub(super) influences: Vec<Influence>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) draw_triangles: Vec<[u32; 3]>,
+    pub(super) material: Option<usize>,
+}
+
+impl Mesh {
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    pub fn vertex_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// Unit length, one per vertex.
+    pub fn normals(&self) -> &[Vec3] {
+        &self.normals
+    }
+
+    /// One per vertex; `v` is 0 at the bottom of the picture.
+    pub fn texcoords(&self) -> Option<&[Vec2]> {
+        self.texcoords.as_deref()
+    }
+
+    /// `vertex_count + 1` indices into [`Mesh::influences`]: those of vertex `v` are `starts[v]..starts[v + 1]`, never empty.
+    pub fn influence_starts(&self) -> &[u32] {
+        &self.influence_starts
+    }
+
+    /// Those of every vertex, one vertex after another.
+    pub fn influences(&self) -> &[Influence] {
+        &self.influences
+    }
+
+    pub fn influences_of(&self, vertex: usize) -> &[Influence] {
+        &self.influences
+            [self.influence_starts[vertex] as usize..self.influence_starts[vertex + 1] as usize]
+    }
+
+    /// With the file's own winding.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The same triangles, each wound counter-clockwise about its vertices' normals.
+    pub fn draw_triangles(&self) -> &[[u32; 3]] {
+        &self.draw_triangles
+    }
+
+    /// Index into [`Rig::materials`](super::Rig::materials).
+    pub fn material(&self) -> Option<usize> {
+        self.material
+    }
+
+    pub(super) fn memory_bytes(&self) -> usize {
+        let texcoords = self
+            .texcoords
+            .as_ref()
+            .map_or(0, |texcoords| size_of_val(texcoords.as_slice()));
+        size_of_val(self.positions.as_slice())
+            + size_of_val(self.normals.as_slice())
+            + texcoords
+            + size_of_val(self.influence_starts.as_slice())
+            + size_of_val(self.influences.as_slice())
+            + size_of_val(self.triangles.as_slice())
+            + size_of_val(self.draw_triangles.as_slice())
+    }
+}

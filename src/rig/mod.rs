@@ -1,0 +1,101 @@
+//! The format-free character: readers fill a [`Draft`], [`Draft::build`] validates it once, and a [`Rig`] can no longer be wrong.
+//! Never lives here: anything that knows a file format, a pose or a GPU.
+
+mod dof;
+mod draft;
+mod material;
+mod mesh;
+mod names;
+mod skeleton;
+mod warnings;
+
+pub use dof::{Dof, DofKind, Dofs};
+pub use draft::{BindingDraft, Draft, JointDraft, MeshDraft, RigError};
+pub use material::{Material, Texture};
+pub use mesh::{Binding, Influence, Mesh};
+pub use skeleton::{Axis, Joint, Limit, RotationOrder, Skeleton};
+pub use warnings::Warnings;
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Largest absolute coordinate, offset or matrix entry of a rig, in its units: far beyond any character, and small enough that
+/// nothing computed from it overflows float32.
+pub const LARGEST_COORDINATE: f64 = 1e9;
+
+/// Tells one built [`Rig`] from every other of this process, also from one of the same name and files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct RigId(u64);
+
+impl RigId {
+    fn next() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(1);
+        Self(NEXT.fetch_add(1, Ordering::Relaxed))
+    }
+}
+
+/// A character that passed [`Draft::build`]: parents stand before their children, every index is in range, every number is finite,
+/// names are unique, weights of a vertex sum to 1. Later rooms rely on it and check nothing again.
+#[derive(Debug)]
+pub struct Rig {
+    id: RigId,
+    skeleton: Skeleton,
+    dofs: Dofs,
+    meshes: Vec<Mesh>,
+    bindings: Vec<Binding>,
+    materials: Vec<Material>,
+    warnings: Vec<String>,
+}
+
+impl Rig {
+    pub fn id(&self) -> RigId {
+        self.id
+    }
+
+    pub fn skeleton(&self) -> &Skeleton {
+        &self.skeleton
+    }
+
+    pub fn dofs(&self) -> &Dofs {
+        &self.dofs
+    }
+
+    pub fn meshes(&self) -> &[Mesh] {
+        &self.meshes
+    }
+
+    /// What influences point at: one skinning matrix each, in palette order.
+    pub fn bindings(&self) -> &[Binding] {
+        &self.bindings
+    }
+
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// What was odd in the files but could be worked with, a sentence each.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    pub fn vertex_count(&self) -> usize {
+        self.meshes.iter().map(Mesh::vertex_count).sum()
+    }
+
+    pub fn triangle_count(&self) -> usize {
+        self.meshes.iter().map(|mesh| mesh.triangles().len()).sum()
+    }
+
+    /// Bytes that this rig takes in memory, to the accuracy a budget needs.
+    pub fn memory_bytes(&self) -> u64 {
+        // A joint with its name, three DOFs and their names in the map comes to about a kibibyte.
+        let skeleton = self.skeleton.joints().len() * 1024;
+        let textures: usize = self
+            .materials
+            .iter()
+            .filter_map(|m| m.texture.as_ref())
+            .map(|t| t.encoded.len())
+            .sum();
+        let meshes: usize = self.meshes.iter().map(Mesh::memory_bytes).sum();
+        (skeleton + textures + meshes + std::mem::size_of_val(self.bindings.as_slice())) as u64
+    }
+}

@@ -1,0 +1,49 @@
+//! An axis-aligned box.
+
+use glam::DVec3;
+
+/// Smallest and largest corner, in world space; `min <= max` on every axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    pub min: DVec3,
+    pub max: DVec3,
+}
+
+impl Bounds {
+    /// Of a rig that has nothing: a point at the origin.
+    pub const ORIGIN: Self = Self {
+        min: DVec3::ZERO,
+        max: DVec3::ZERO,
+    };
+
+    /// `None` where there are no points.
+    pub fn of(points: impl IntoIterator<Item = DVec3>) -> Option<Self> {
+        points
+            .into_iter()
+            .map(|point| Self {
+                min: point,
+                max: point,
+            })
+            .reduce(|a, b| Self {
+                min: a.min.min(b.min),
+                max: a.max.max(b.max),
+            })
+    }
+
+    pub fn center(&self) -> DVec3 {
+        (self.min + self.max) / 2.0
+    }
+
+    /// The length of the diagonal, which is what `size` means where a rule speaks of the size of a rig.
+    pub fn size(&self) -> f64 {
+        self.min.distance(self.max)
+    }
+
+    /// Radius of the sphere about the box. A rig that is a single point gets one of 1, so that there is something to look at.
+    pub fn radius(&self) -> f64 {
+        match self.size() / 2.0 {
+            0.0 => 1.0,
+            radius => radius,
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Where light comes from.
+
+use super::{Color, SceneError};
+use glam::{DVec3, Vec3};
+
+/// How a point light weakens with distance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Falloff {
+    #[default]
+    None,
+    /// Divided by max(d², 1e-4·size²), `size` being the rig's at rest.
+    InverseSquare,
+}
+
+/// A light in world space. Its `radiance` is color times intensity, linear.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Light {
+    Directional {
+        /// The way the light travels, unit length.
+        direction: Vec3,
+        radiance: Vec3,
+    },
+    Point {
+        position: Vec3,
+        radiance: Vec3,
+        falloff: Falloff,
+    },
+}
+
+impl Light {
+    /// # Errors
+    /// Where the direction is zero or a number cannot be drawn with.
+    pub fn directional(direction: DVec3, color: Color, intensity: f64) -> Result<Self, SceneError> {
+        let Some(unit) = direction.try_normalize() else {
+            let (field, expected) = ("lights.direction", "a direction other than zero");
+            return Err(SceneError {
+                field,
+                expected,
+                found: format!("{:?}", direction.to_array()),
+            });
+        };
+        Ok(Self::Directional {
+            direction: unit.as_vec3(),
+            radiance: radiance(color, intensity)?,
+        })
+    }
+
+    /// # Errors
+    /// Where a number cannot be drawn with.
+    pub fn point(
+        position: DVec3,
+        color: Color,
+        intensity: f64,
+        falloff: Falloff,
+    ) -> Result<Self, SceneError> {
+        let found = position.to_array();
+        let inside = found.iter().all(|number| number.abs() <= MOST);
+        SceneError::unless(inside, "lights.position", "numbers within ±1e12", found)?;
+        Ok(Self::Point {
+            position: position.as_vec3(),
+            radiance: radiance(color, intensity)?,
+            falloff,
+        })
+    }
+
+    /// A warm key light from the upper left front and a cool fill from the right, behind.
+    pub fn default_pair() -> Vec<Self> {
+        let toward = |x, y, z| Vec3::new(x, y, z).normalize_or(Vec3::NEG_Y);
+        vec![
+            Self::Directional {
+                direction: toward(0.35, -0.75, -0.85),
+                radiance: Vec3::new(1.0, 0.90, 0.76) * 1.05,
+            },
+            Self::Directional {
+                direction: toward(-0.95, -0.15, 0.35),
+                radiance: Vec3::new(0.45, 0.62, 1.0) * 0.75,
+            },
+        ]
+    }
+}
+
+/// Largest position or intensity of a light: its square still fits float32.
+const MOST: f64 = 1e12;
+
+fn radiance(color: Color, intensity: f64) -> Result<Vec3, SceneError> {
+    let inside = (0.0..=MOST).contains(&intensity);
+    SceneError::unless(
+        inside,
+        "lights.intensity",
+        "a number from 0 to 1e12",
+        intensity,
+    )?;
+    Ok(color.rgb() * intensity as f32)
+}
