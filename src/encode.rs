@@ -45,7 +45,9 @@ impl Pool {
     /// Where the system gives no threads.
     pub fn new() -> Result<Self, rayon::ThreadPoolBuildError> {
         let threads = rayon::ThreadPoolBuilder::new()
-            .thread_name(|i| format!("encode-{i}"))
+            .thread_name(|index| format!("encode-{index}"))
+            // Whoever waits for the work is answered as it is dropped; the other threads go on.
+            .panic_handler(|_| {})
             .build()?;
         Ok(Self { threads })
     }

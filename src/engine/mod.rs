@@ -37,6 +37,25 @@ pub enum Base {
     Rest,
 }
 
+impl RigRef {
+    /// The pose that an edit starts from.
+    pub fn start(&self, base: Base) -> Pose {
+        match base {
+            Base::Stored => self.stored.clone(),
+            Base::Rest => Pose::rest(&self.loaded.rig),
+        }
+    }
+
+    /// The pose of one request, worked out; nothing stored changes.
+    ///
+    /// # Errors
+    /// As the pose has them.
+    pub fn posed(&self, base: Base, edit: &PoseEdit) -> Result<(Arc<Posed>, Vec<Clamped>), EngineError> {
+        let (pose, clamped) = self.start(base).edited(edit)?;
+        Ok((Arc::new(Posed::new(&pose)?), clamped))
+    }
+}
+
 /// Rigs, their stored poses, and the renderer. Shared by every connection.
 pub struct Engine {
     store: Store,
@@ -128,22 +147,18 @@ impl Engine {
         self.store.find(rig)
     }
 
-    /// Changes the stored pose for good; `edit` is made for the rig that it is given.
+    /// Changes the stored pose for good, by the edit that `choose` makes for the rig.
     ///
     /// # Errors
-    /// As `edit` and the pose have them; the stored pose is then as it was.
+    /// As `choose` and the pose have them; the stored pose is then as it was.
     pub fn set_pose(
         &self,
         rig: &str,
-        base: Base,
-        edit: impl FnOnce(&LoadedRig) -> Result<PoseEdit, EngineError>,
+        choose: impl FnOnce(&RigRef) -> Result<(Base, PoseEdit), EngineError>,
     ) -> Result<(Arc<LoadedRig>, Vec<Clamped>), EngineError> {
-        self.store.update_pose(rig, |loaded, stored| {
-            let start = match base {
-                Base::Stored => stored.clone(),
-                Base::Rest => Pose::rest(&loaded.rig),
-            };
-            let (pose, clamped) = start.edited(&edit(loaded)?)?;
+        self.store.update_pose(rig, |current| {
+            let (base, edit) = choose(current)?;
+            let (pose, clamped) = current.start(base).edited(&edit)?;
             // A pose that cannot be worked out is not kept either.
             Posed::new(&pose)?;
             Ok((pose, clamped))
@@ -153,8 +168,7 @@ impl Engine {
     /// # Errors
     /// [`EngineError::RigNotLoaded`].
     pub fn reset_pose(&self, rig: &str) -> Result<(), EngineError> {
-        self.store
-            .update_pose(rig, |loaded, _| Ok((Pose::rest(&loaded.rig), Vec::new())))?;
+        self.store.update_pose(rig, |current| Ok((current.start(Base::Rest), Vec::new())))?;
         Ok(())
     }
 

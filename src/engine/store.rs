@@ -113,20 +113,13 @@ impl Store {
 
     pub fn remove(&self, rig: &str) -> Result<(), EngineError> {
         let mut entries = self.lock();
-        let name = name_of(&entries, rig)?;
+        let (name, _) = find(&entries, rig)?;
         entries.remove(&name);
         Ok(())
     }
 
     pub fn find(&self, rig: &str) -> Result<RigRef, EngineError> {
-        let entries = self.lock();
-        let name = name_of(&entries, rig)?;
-        let entry = &entries[&name];
-        Ok(RigRef {
-            loaded: Arc::clone(&entry.loaded),
-            stored: entry.stored.clone(),
-            by_digest: name != rig,
-        })
+        find(&self.lock(), rig).map(|(_, rig_ref)| rig_ref)
     }
 
     pub fn all(&self) -> Vec<Arc<LoadedRig>> {
@@ -147,17 +140,14 @@ impl Store {
     pub fn update_pose(
         &self,
         rig: &str,
-        update: impl FnOnce(&LoadedRig, &Pose) -> Result<(Pose, Vec<Clamped>), EngineError>,
+        update: impl FnOnce(&RigRef) -> Result<(Pose, Vec<Clamped>), EngineError>,
     ) -> Result<(Arc<LoadedRig>, Vec<Clamped>), EngineError> {
         let mut entries = self.lock();
-        let name = name_of(&entries, rig)?;
-        let not_loaded = || EngineError::RigNotLoaded {
-            rig: rig.to_owned(),
-        };
-        let entry = entries.get_mut(&name).ok_or_else(not_loaded)?;
-        let (pose, clamped) = update(&entry.loaded, &entry.stored)?;
-        entry.stored = pose;
-        Ok((Arc::clone(&entry.loaded), clamped))
+        let (name, current) = find(&entries, rig)?;
+        let (stored, clamped) = update(&current)?;
+        let loaded = current.loaded;
+        entries.insert(name, Entry { loaded: Arc::clone(&loaded), stored });
+        Ok((loaded, clamped))
     }
 
     fn lock(&self) -> MutexGuard<'_, BTreeMap<String, Entry>> {
@@ -166,16 +156,15 @@ impl Store {
     }
 }
 
-/// The name of the rig of that name, else of the first by name that has that digest.
-fn name_of(entries: &BTreeMap<String, Entry>, rig: &str) -> Result<String, EngineError> {
-    if entries.contains_key(rig) {
-        return Ok(rig.to_owned());
-    }
-    let by_digest = entries.iter().find(|(_, entry)| entry.loaded.digest == rig);
-    let name = by_digest.map(|(name, _)| name.clone());
-    name.ok_or_else(|| EngineError::RigNotLoaded {
-        rig: rig.to_owned(),
-    })
+/// The rig of that name, else the first by name that has that digest.
+fn find(entries: &BTreeMap<String, Entry>, rig: &str) -> Result<(String, RigRef), EngineError> {
+    let by_name = entries.get_key_value(rig);
+    let by_digest = || entries.iter().find(|(_, entry)| entry.loaded.digest == rig);
+    let (name, entry) = by_name
+        .or_else(by_digest)
+        .ok_or_else(|| EngineError::RigNotLoaded { rig: rig.to_owned() })?;
+    let (loaded, stored) = (Arc::clone(&entry.loaded), entry.stored.clone());
+    Ok((name.clone(), RigRef { loaded, stored, by_digest: name != rig }))
 }
 
 /// Of skinned vertices and joints. A rig without either is a point at the origin.

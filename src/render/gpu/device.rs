@@ -3,7 +3,9 @@
 use super::adapter::{self, AdapterChoice, AdapterError, AdapterInfo};
 use crate::limits::LimitExceeded;
 use crate::render::RenderError;
+use crate::pose::SkinMatrix;
 use crate::rig::Rig;
+use crate::scene::Size;
 use pollster::block_on;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -16,45 +18,37 @@ pub struct Capabilities {
 }
 
 impl Capabilities {
+    /// Name and value of each, as errors name them.
+    pub fn entries(&self) -> [(&'static str, u64); 2] {
+        [(SIDE, self.side), (BUFFER_BYTES, self.buffer_bytes)]
+    }
+
     /// # Errors
     /// Where a picture of this size is larger than the adapter draws.
-    pub fn accept_side(&self, side: u32) -> Result<(), LimitExceeded> {
-        hold("adapter_side", self.side, u64::from(side))
+    pub fn accept_size(&self, size: Size) -> Result<(), LimitExceeded> {
+        hold(SIDE, self.side, size.width.max(size.height).into())?;
+        hold(BUFFER_BYTES, self.buffer_bytes, 4 * size.pixels() as u64)
     }
 
     /// # Errors
     /// Where a buffer of this rig is larger than the adapter takes.
     pub fn accept_rig(&self, rig: &Rig) -> Result<(), LimitExceeded> {
-        let influences = rig
-            .meshes()
-            .iter()
-            .map(|mesh| mesh.influences().len() * 8)
-            .max()
-            .unwrap_or(0);
+        let of_meshes = rig.meshes().iter().flat_map(|mesh| {
+            [size_of_val(mesh.influences()), size_of_val(mesh.draw_triangles())]
+        });
         // The skinned vertices of all meshes stand in one buffer, six floats each.
         let skinned = rig.vertex_count() * 24;
-        let indices = rig
-            .meshes()
-            .iter()
-            .map(|mesh| mesh.triangles().len() * 12)
-            .max()
-            .unwrap_or(0);
-        let palette = rig.bindings().len() * 48;
-        let largest = influences.max(skinned).max(indices).max(palette);
-        hold("adapter_buffer_bytes", self.buffer_bytes, largest as u64)
+        let palette = rig.bindings().len() * size_of::<SkinMatrix>();
+        let largest = of_meshes.chain([skinned, palette]).max().unwrap_or(0);
+        hold(BUFFER_BYTES, self.buffer_bytes, largest as u64)
     }
 }
 
+const SIDE: &str = "adapter_side";
+const BUFFER_BYTES: &str = "adapter_buffer_bytes";
+
 fn hold(limit: &'static str, maximum: u64, asked: u64) -> Result<(), LimitExceeded> {
-    if asked > maximum {
-        Err(LimitExceeded {
-            limit,
-            maximum,
-            asked,
-        })
-    } else {
-        Ok(())
-    }
+    if asked > maximum { Err(LimitExceeded { limit, maximum, asked }) } else { Ok(()) }
 }
 
 /// A device that never panics the thread: what it complains of is kept until [`Device::check`].

@@ -93,9 +93,7 @@ impl Gpu {
         let in_flight = match &plan.wanted {
             Wanted::Picture(picture) => {
                 let size = picture.scene.size;
-                device
-                    .capabilities()
-                    .accept_side(size.width.max(size.height))?;
+                device.capabilities().accept_size(size)?;
                 let samples = picture.scene.samples;
                 let shape = TargetShape {
                     size,

@@ -1,0 +1,409 @@
+//! Reads a CSE 169 `.skin`: one mesh, what it is bound to, and at most one material.
+//! Never lives here: opening the texture, and bringing weights to a sum of 1.
+//!
+//! ```text
+//! skin    := section*                                                             each at most once, in any order
+//! section := "positions" N "{" (x y z){N} "}"                                     N > 0
+//!          | "normals" N "{" (x y z){N} "}" | "texcoords" N "{" (u v){N} "}"
+//!          | "skinweights" N ["{"] (k (joint weight){k}){N} "}"
+//!          | "triangles" M "{" (v v v){M} "}"
+//!          | "bindings" J ["{"] ("matrix" "{" a a a b b b c c c d d d "}"){J} "}"
+//!          | "material" [NAME] "{" ["texture" FILE] "}"
+//! ```
+//! Vertices and joints are counted from 0. `positions` and `triangles` must be there; `skinweights` and `bindings` stand together,
+//! and must be there where the mesh is read with a skeleton. The four rows of a matrix are its columns a, b, c and d: it takes
+//! points from the joint's own space to where it stood when the mesh was bound.
+
+use super::name_and_brace;
+use super::sections::{Brace, Section};
+use crate::formats::error::{FileFault, LoadError};
+use crate::formats::lexer::{Lexer, Token};
+use crate::limits::Limits;
+use crate::rig::Warnings;
+use glam::{DAffine3, DVec3, Vec2, Vec3};
+
+/// A skin as its file has it; every index in it is in range.
+#[derive(Debug, Default)]
+pub(in crate::formats) struct Skin {
+    pub positions: Vec<Vec3>,
+    pub normals: Option<Vec<Vec3>>,
+    pub texcoords: Option<Vec<Vec2>>,
+    /// Of each vertex, or none at all.
+    pub influence_counts: Vec<u32>,
+    /// `(index into bindings, weight)` of every vertex, one vertex after another; no weight is negative.
+    pub influences: Vec<(u32, f64)>,
+    pub triangles: Vec<[u32; 3]>,
+    /// `bind_from_joint` of every joint.
+    pub bindings: Vec<DAffine3>,
+    pub material: Option<SkinMaterial>,
+}
+
+#[derive(Debug)]
+pub(in crate::formats) struct SkinMaterial {
+    pub name: String,
+    pub texture: Option<TextureName>,
+}
+
+#[derive(Debug)]
+pub(in crate::formats) struct TextureName {
+    pub file: String,
+    /// Where the skin says so: `file:line:column`.
+    pub place: String,
+}
+
+/// The skeleton that a skin is read with.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::formats) struct BoundTo<'a> {
+    pub file: &'a str,
+    pub joint_count: usize,
+}
+
+/// # Errors
+/// [`LoadError::Invalid`] at the word that does not fit, [`LoadError::Limit`] where the file claims more than a ceiling allows.
+pub(in crate::formats) fn read(
+    lexer: Lexer,
+    skeleton: Option<BoundTo>,
+    limits: &Limits,
+    warnings: &mut Warnings,
+) -> Result<Skin, LoadError> {
+    let mut reader = Reader {
+        lexer,
+        limits,
+        warnings,
+        skin: Skin::default(),
+        sections: [None; Part::COUNT],
+        first_word: None,
+    };
+    reader.read_sections()?;
+    reader.check_presence(skeleton.is_some())?;
+    reader.check_counts(skeleton)?;
+    reader.check_triangles()?;
+    reader.check_influences()?;
+    Ok(reader.skin)
+}
+
+struct Reader<'a, 'w> {
+    lexer: Lexer<'a>,
+    limits: &'w Limits,
+    warnings: &'w mut Warnings,
+    skin: Skin,
+    /// By [`Part`].
+    sections: [Option<Section<'a>>; Part::COUNT],
+    first_word: Option<Token<'a>>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Positions,
+    Normals,
+    Texcoords,
+    Skinweights,
+    Triangles,
+    Bindings,
+}
+
+impl Part {
+    const COUNT: usize = 6;
+
+    fn of(word: &str) -> Option<Self> {
+        Some(match word {
+            "positions" => Self::Positions,
+            "normals" => Self::Normals,
+            "texcoords" => Self::Texcoords,
+            "skinweights" => Self::Skinweights,
+            "triangles" => Self::Triangles,
+            "bindings" => Self::Bindings,
+            _ => return None,
+        })
+    }
+
+    fn nouns(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Positions => ("position", "positions"),
+            Self::Normals => ("normal", "normals"),
+            Self::Texcoords => ("texture coordinate", "texture coordinates"),
+            Self::Skinweights => ("vertex", "vertices with weights"),
+            Self::Triangles => ("triangle", "triangles"),
+            Self::Bindings => ("binding", "bindings"),
+        }
+    }
+
+    fn brace(self) -> Brace {
+        match self {
+            Self::Skinweights | Self::Bindings => Brace::Optional,
+            _ => Brace::Needed,
+        }
+    }
+}
+
+impl<'a> Reader<'a, '_> {
+    fn section(&self, part: Part) -> Option<Section<'a>> {
+        self.sections[part as usize]
+    }
+
+    fn read_sections(&mut self) -> Result<(), LoadError> {
+        loop {
+            let word = self.lexer.next();
+            self.first_word.get_or_insert(word);
+            match (word.text, Part::of(word.text)) {
+                ("", _) => return Ok(()),
+                (_, Some(part)) => self.read_section(part, word)?,
+                ("material", _) => self.read_material(word)?,
+                _ => {
+                    let is_known = |word: &str| word == "material" || Part::of(word).is_some();
+                    self.lexer.skip_unknown(word, is_known, self.warnings)?;
+                }
+            }
+        }
+    }
+
+    fn read_section(&mut self, part: Part, keyword: Token<'a>) -> Result<(), LoadError> {
+        if self.section(part).is_some() {
+            return Err(self.second(keyword).into());
+        }
+        let limits = self.limits;
+        let hold = |count| match part {
+            Part::Triangles => limits.triangles(count),
+            Part::Bindings => limits.joints(count),
+            _ => limits.vertices(count),
+        };
+        let lexer = &mut self.lexer;
+        let section = Section::open(lexer, keyword, part.nouns(), part.brace(), hold)?;
+        self.sections[part as usize] = Some(section);
+        let skin = &mut self.skin;
+        match part {
+            Part::Positions => skin.positions = read_vectors(&section, lexer)?,
+            Part::Normals => skin.normals = Some(read_vectors(&section, lexer)?),
+            Part::Texcoords => skin.texcoords = Some(read_texcoords(&section, lexer)?),
+            Part::Triangles => skin.triangles = read_triangles(&section, lexer)?,
+            Part::Bindings => skin.bindings = read_bindings(&section, lexer)?,
+            Part::Skinweights => {
+                let influences = &mut skin.influences;
+                skin.influence_counts = read_weights(&section, lexer, influences, limits)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn second(&self, keyword: Token<'a>) -> FileFault {
+        let expected = format!("`{}` once", keyword.text);
+        self.lexer.fault_found(keyword, expected, "a second one")
+    }
+
+    fn read_material(&mut self, keyword: Token<'a>) -> Result<(), LoadError> {
+        if self.skin.material.is_some() {
+            return Err(self.second(keyword).into());
+        }
+        let name = name_and_brace(&mut self.lexer, keyword)?.to_owned();
+        let mut texture = None;
+        loop {
+            let word = self.lexer.next();
+            match word.text {
+                "}" => break,
+                "texture" if texture.is_some() => return Err(self.second(word).into()),
+                "texture" => texture = Some(self.read_texture_name()?),
+                "" => return Err(self.lexer.fault(word, "`}` to end the `material`").into()),
+                _ => {
+                    let is_known = |word: &str| word == "texture";
+                    self.lexer.skip_unknown(word, is_known, self.warnings)?;
+                }
+            }
+        }
+        self.skin.material = Some(SkinMaterial { name, texture });
+        Ok(())
+    }
+
+    fn read_texture_name(&mut self) -> Result<TextureName, FileFault> {
+        let token = self.lexer.next();
+        if matches!(token.text, "" | "{" | "}") {
+            return Err(self.lexer.fault(token, "a file name after `texture`"));
+        }
+        Ok(TextureName {
+            file: token.text.to_owned(),
+            place: self.lexer.place(token),
+        })
+    }
+
+    fn check_presence(&self, has_skeleton: bool) -> Result<(), FileFault> {
+        let has = |part| self.section(part).is_some();
+        let end = self.lexer.peek();
+        let nothing_known =
+            self.sections.iter().all(Option::is_none) && self.skin.material.is_none();
+        let told_at = self.first_word.filter(|_| nothing_known).unwrap_or(end);
+        let missing = |what: &str| Err(self.lexer.fault(told_at, what));
+        if !has(Part::Positions) {
+            return missing("`positions`");
+        }
+        if !has(Part::Triangles) {
+            return missing("`triangles`");
+        }
+        match (has(Part::Skinweights), has(Part::Bindings)) {
+            (true, true) => Ok(()),
+            (false, true) => missing("`skinweights`, as there are bindings"),
+            (true, false) => missing("`bindings`, as there are skinweights"),
+            (false, false) if has_skeleton => missing("`skinweights`, as there is a skeleton"),
+            (false, false) => Ok(()),
+        }
+    }
+
+    fn check_counts(&self, skeleton: Option<BoundTo>) -> Result<(), FileFault> {
+        let positions = self.skin.positions.len();
+        let differs = |section: &Section<'a>, expected: String| {
+            Err(self.lexer.fault(section.count_token, expected))
+        };
+        if let Some(section) = self.section(Part::Positions).filter(|it| it.count == 0) {
+            return differs(&section, "at least one position".to_owned());
+        }
+        for part in [Part::Normals, Part::Texcoords, Part::Skinweights] {
+            if let Some(section) = self.section(part).filter(|it| it.count != positions) {
+                let many = part.nouns().1;
+                return differs(
+                    &section,
+                    format!("{positions} {many}, as many as positions"),
+                );
+            }
+        }
+        if let (Some(section), Some(skeleton)) = (self.section(Part::Bindings), skeleton)
+            && section.count != skeleton.joint_count
+        {
+            let (joints, file) = (skeleton.joint_count, skeleton.file);
+            return differs(
+                &section,
+                format!("{joints} bindings, one for each joint of `{file}`"),
+            );
+        }
+        Ok(())
+    }
+
+    fn check_triangles(&self) -> Result<(), FileFault> {
+        let vertex_count = self.skin.positions.len();
+        let corners = self.skin.triangles.as_flattened();
+        let bad = corners
+            .iter()
+            .position(|&vertex| vertex as usize >= vertex_count);
+        match (bad, self.section(Part::Triangles)) {
+            (Some(corner), Some(section)) => Err(self.out_of_range(
+                &section,
+                corner,
+                format!("a vertex below {vertex_count}, the number of positions"),
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    fn check_influences(&self) -> Result<(), FileFault> {
+        let binding_count = self.skin.bindings.len();
+        let mut influences = self.skin.influences.iter();
+        let bad = influences.position(|&(binding, _)| binding as usize >= binding_count);
+        let (Some(influence), Some(section)) = (bad, self.section(Part::Skinweights)) else {
+            return Ok(());
+        };
+        // Before it stand two words of each influence and the count of each vertex, its own vertex included.
+        let mut counts = 0;
+        let mut influences_so_far = 0;
+        while influences_so_far <= influence {
+            influences_so_far += self.skin.influence_counts[counts] as usize;
+            counts += 1;
+        }
+        let expected = format!("a joint below {binding_count}, the number of bindings");
+        Err(self.out_of_range(&section, 2 * influence + counts, expected))
+    }
+
+    /// A fault at a word of a section, found by reading the section again: no place is kept for words that are right.
+    fn out_of_range(&self, section: &Section<'a>, word: usize, expected: String) -> FileFault {
+        let mut lexer = self.lexer.from(section.rows_at);
+        for _ in 0..word {
+            lexer.next();
+        }
+        let token = lexer.next();
+        self.lexer.fault(token, expected)
+    }
+}
+
+fn read_vectors<'a>(section: &Section<'a>, lexer: &mut Lexer<'a>) -> Result<Vec<Vec3>, LoadError> {
+    section.read_rows(lexer, 6, |lexer, row| {
+        let numbers = lexer.numbers(|| section.in_row(row))?;
+        Ok(DVec3::from_array(numbers).as_vec3())
+    })
+}
+
+fn read_texcoords<'a>(
+    section: &Section<'a>,
+    lexer: &mut Lexer<'a>,
+) -> Result<Vec<Vec2>, LoadError> {
+    section.read_rows(lexer, 4, |lexer, row| {
+        let [u, v] = lexer.numbers(|| section.in_row(row))?;
+        Ok(Vec2::new(u as f32, v as f32))
+    })
+}
+
+fn read_triangles<'a>(
+    section: &Section<'a>,
+    lexer: &mut Lexer<'a>,
+) -> Result<Vec<[u32; 3]>, LoadError> {
+    section.read_rows(lexer, 6, |lexer, row| {
+        let mut triangle = [0; 3];
+        for corner in &mut triangle {
+            *corner = read_index(lexer, || section.in_row(row))?;
+        }
+        Ok(triangle)
+    })
+}
+
+fn read_bindings<'a>(
+    section: &Section<'a>,
+    lexer: &mut Lexer<'a>,
+) -> Result<Vec<DAffine3>, LoadError> {
+    section.read_rows(lexer, 31, |lexer, row| {
+        let place = || section.in_row(row);
+        let keyword = lexer.expect("matrix", place)?;
+        lexer.expect("{", place)?;
+        let numbers: [f64; 12] = lexer.numbers(place)?;
+        lexer.expect("}", || format!("after 12 numbers {}", place()))?;
+        let bind_from_joint = DAffine3::from_cols_array(&numbers);
+        // The inverse meets 32-bit floats later on.
+        let inverse = bind_from_joint.inverse().to_cols_array();
+        if !inverse.iter().all(|entry| (*entry as f32).is_finite()) {
+            let expected = format!("a matrix that can be inverted {}", place());
+            return Err(lexer
+                .fault_found(keyword, expected, "one that cannot")
+                .into());
+        }
+        Ok(bind_from_joint)
+    })
+}
+
+fn read_weights<'a>(
+    section: &Section<'a>,
+    lexer: &mut Lexer<'a>,
+    influences: &mut Vec<(u32, f64)>,
+    limits: &Limits,
+) -> Result<Vec<u32>, LoadError> {
+    section.read_rows(lexer, 2, |lexer, row| {
+        let place = || section.in_row(row);
+        let (count, count_token) = lexer.whole(place)?;
+        limits.influences((influences.len() as u64).saturating_add(count))?;
+        let Ok(count) = u32::try_from(count) else {
+            let expected = format!("a number of influences below 2^32 {}", place());
+            return Err(lexer.fault(count_token, expected).into());
+        };
+        for _ in 0..count {
+            let joint = read_index(lexer, place)?;
+            let start = lexer.offset();
+            let weight = lexer.number(place)?;
+            if weight < 0.0 {
+                let token = lexer.from(start).next();
+                let expected = format!("a weight that is not negative {}", place());
+                return Err(lexer.fault(token, expected).into());
+            }
+            influences.push((joint, weight));
+        }
+        Ok(count)
+    })
+}
+
+/// One that does not fit becomes the largest, which is out of every range.
+fn read_index(lexer: &mut Lexer, place: impl Fn() -> String) -> Result<u32, FileFault> {
+    let (index, _) = lexer.whole(place)?;
+    Ok(u32::try_from(index).unwrap_or(u32::MAX))
+}

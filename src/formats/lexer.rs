@@ -1,0 +1,389 @@
+//! Words of a text with their line and column: what separates them, what a number is, how a fault at one is told.
+//! Never lives here: any word's meaning.
+
+use super::error::{FileFault, quoted};
+use super::text::Place;
+use crate::rig::Warnings;
+use std::cell::Cell;
+
+/// A word, a brace, or the empty text at the end of the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Token<'a> {
+    pub text: &'a str,
+    /// In bytes. Line and column are counted only where one is told.
+    pub offset: usize,
+}
+
+impl Token<'_> {
+    pub(super) fn is_end(self) -> bool {
+        self.text.is_empty()
+    }
+
+    fn described(self) -> String {
+        if self.is_end() {
+            "the end of the file".to_owned()
+        } else {
+            quoted(self.text)
+        }
+    }
+}
+
+/// Walks over a text. Every byte up to the space separates words, so that no kind of line end is special; braces are words of
+/// their own also where they are glued to one.
+#[derive(Debug, Clone)]
+pub(super) struct Lexer<'a> {
+    file: &'a str,
+    text: &'a str,
+    at: usize,
+    /// The last place told: warnings come in the order of the text, so counting goes on from there.
+    told: Cell<Place>,
+}
+
+impl<'a> Lexer<'a> {
+    /// `file` is what faults call the text.
+    pub(super) fn new(file: &'a str, text: &'a str) -> Self {
+        Self {
+            file,
+            text,
+            at: 0,
+            told: Cell::new(Place::START),
+        }
+    }
+
+    pub(super) fn offset(&self) -> usize {
+        self.at
+    }
+
+    pub(super) fn remaining_bytes(&self) -> usize {
+        self.text.len() - self.at
+    }
+
+    /// The same text from `offset` on, where a word starts or a separator stands.
+    pub(super) fn from(&self, offset: usize) -> Self {
+        Self {
+            at: offset,
+            ..self.clone()
+        }
+    }
+
+    #[allow(
+        clippy::should_implement_trait,
+        reason = "the end is a token with a place, not a None"
+    )]
+    pub(super) fn next(&mut self) -> Token<'a> {
+        let bytes = self.text.as_bytes();
+        let mut start = self.at;
+        while start < bytes.len() && bytes[start] <= b' ' {
+            start += 1;
+        }
+        let mut end = start;
+        while end < bytes.len() && !ends_word(bytes[end]) {
+            end += 1;
+        }
+        if end == start && end < bytes.len() {
+            end += 1; // A brace.
+        }
+        self.at = end;
+        Token {
+            text: &self.text[start..end],
+            offset: start,
+        }
+    }
+
+    pub(super) fn peek(&self) -> Token<'a> {
+        self.clone().next()
+    }
+
+    /// Takes the next word where it is `wanted`.
+    pub(super) fn take(&mut self, wanted: &str) -> bool {
+        let mut ahead = self.clone();
+        let found = ahead.next().text == wanted;
+        if found {
+            self.at = ahead.at;
+        }
+        found
+    }
+
+    /// A finite number that a 32-bit float can hold: `.5`, `+1` and exponents are fine. `place` says where one is wanted: `after …`.
+    pub(super) fn number(&mut self, place: impl Fn() -> String) -> Result<f64, FileFault> {
+        let token = self.next();
+        let Some(number) = parse_number(token.text) else {
+            return Err(self.fault(token, format!("a number {}", place())));
+        };
+        // Later stages compute with 32-bit floats; what only fits 64 bits would turn into an infinity there.
+        if number.abs() > f64::from(f32::MAX) {
+            return Err(self.fault(
+                token,
+                format!("a number of at most 3.4e38 in size {}", place()),
+            ));
+        }
+        Ok(number)
+    }
+
+    pub(super) fn numbers<const N: usize>(
+        &mut self,
+        place: impl Fn() -> String,
+    ) -> Result<[f64; N], FileFault> {
+        let mut numbers = [0.0; N];
+        for number in &mut numbers {
+            *number = self.number(&place)?;
+        }
+        Ok(numbers)
+    }
+
+    /// A whole number from 0. One beyond 64 bits is `u64::MAX`: over every ceiling and every count as well.
+    pub(super) fn whole(
+        &mut self,
+        place: impl Fn() -> String,
+    ) -> Result<(u64, Token<'a>), FileFault> {
+        let token = self.next();
+        match parse_whole(token.text) {
+            Some(whole) => Ok((whole, token)),
+            None => Err(self.fault(token, format!("a whole number from 0 {}", place()))),
+        }
+    }
+
+    pub(super) fn expect(
+        &mut self,
+        wanted: &str,
+        place: impl Fn() -> String,
+    ) -> Result<Token<'a>, FileFault> {
+        let token = self.next();
+        if token.text == wanted {
+            return Ok(token);
+        }
+        Err(self.fault(token, format!("`{wanted}` {}", place())))
+    }
+
+    /// Goes on, with a warning, to the next known keyword or brace; a block that stands before one is skipped whole.
+    /// `word` is the unknown one, which has been taken.
+    pub(super) fn skip_unknown(
+        &mut self,
+        word: Token<'a>,
+        is_known: impl Fn(&str) -> bool,
+        warnings: &mut Warnings,
+    ) -> Result<(), FileFault> {
+        warnings.push(|| {
+            format!(
+                "{}: skipped {}, which is not known here",
+                self.place(word),
+                word.described()
+            )
+        });
+        if word.text == "{" {
+            return self.skip_block(word);
+        }
+        loop {
+            let token = self.peek();
+            match token.text {
+                "" | "}" => return Ok(()),
+                "{" => {
+                    self.next();
+                    return self.skip_block(token);
+                }
+                text if is_known(text) => return Ok(()),
+                _ => self.next(),
+            };
+        }
+    }
+
+    fn skip_block(&mut self, open: Token<'a>) -> Result<(), FileFault> {
+        let mut depth = 1_usize;
+        while depth > 0 {
+            let token = self.next();
+            match token.text {
+                "{" => depth += 1,
+                "}" => depth -= 1,
+                "" => {
+                    let (line, column) = self.line_column(open);
+                    return Err(self.fault(token, format!("`}}` for the `{{` at {line}:{column}")));
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn fault(&self, token: Token, expected: impl Into<String>) -> FileFault {
+        self.fault_found(token, expected, token.described())
+    }
+
+    pub(super) fn fault_found(
+        &self,
+        token: Token,
+        expected: impl Into<String>,
+        found: impl Into<String>,
+    ) -> FileFault {
+        let (line, column) = self.line_column(token);
+        FileFault {
+            line,
+            column,
+            ..FileFault::whole(self.file, expected, found)
+        }
+    }
+
+    /// `file:line:column` of a token.
+    pub(super) fn place(&self, token: Token) -> String {
+        let (line, column) = self.line_column(token);
+        format!("{}:{line}:{column}", self.file)
+    }
+
+    pub(super) fn line_column(&self, token: Token) -> (usize, usize) {
+        let from = Some(self.told.get()).filter(|told| told.offset() <= token.offset);
+        let place = from
+            .unwrap_or(Place::START)
+            .advanced(self.text, token.offset);
+        self.told.set(place);
+        place.line_column(self.text)
+    }
+}
+
+fn ends_word(byte: u8) -> bool {
+    byte <= b' ' || byte == b'{' || byte == b'}'
+}
+
+pub(super) fn parse_number(word: &str) -> Option<f64> {
+    let unsigned = word.strip_prefix(['-', '+']).unwrap_or(word);
+    // The standard parser also reads `inf`, `infinity` and `nan`.
+    if !unsigned.starts_with(|c: char| c.is_ascii_digit() || c == '.') {
+        return None;
+    }
+    word.parse().ok()
+}
+
+fn parse_whole(word: &str) -> Option<u64> {
+    let digits = word.strip_prefix('+').unwrap_or(word);
+    if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
+        return None;
+    }
+    Some(digits.parse().unwrap_or(u64::MAX))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(text: &str) -> Vec<&str> {
+        let mut lexer = Lexer::new("a", text);
+        std::iter::from_fn(|| Some(lexer.next().text).filter(|word| !word.is_empty())).collect()
+    }
+
+    #[test]
+    fn separators_and_braces_end_words() {
+        for (text, wanted) in [
+            ("", vec![]),
+            (" \t\r\n\x0b\x0c\x1a", vec![]),
+            ("a b\tc\rd\r\re\r\n", vec!["a", "b", "c", "d", "e"]),
+            ("leg{}}{x", vec!["leg", "{", "}", "}", "{", "x"]),
+            ("größe.L{", vec!["größe.L", "{"]),
+        ] {
+            assert_eq!(words(text), wanted, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn the_end_comes_again_and_again() {
+        let mut lexer = Lexer::new("a", "x ");
+        lexer.next();
+        assert!(lexer.next().is_end() && lexer.next().is_end());
+    }
+
+    #[test]
+    fn numbers_are_decimal_and_finite() {
+        for (text, wanted) in [
+            ("1", 1.0),
+            ("-0.00000", 0.0),
+            (".5", 0.5),
+            ("-.07", -0.07),
+            ("5.", 5.0),
+            ("+1", 1.0),
+            ("1e-3", 1e-3),
+            ("2.5E+2", 250.0),
+            ("1e-999", 0.0),
+            ("3.4e38", 3.4e38),
+        ] {
+            assert_eq!(
+                Lexer::new("a", text).number(String::new),
+                Ok(wanted),
+                "{text}"
+            );
+        }
+        for text in [
+            "", "nan", "NaN", "inf", "-inf", "infinity", "1e999", "-1e39", "0x10", "1_0", "1,5",
+            "1.0f", "--1", "+-1", "e5", ".", "-", "1e", "1-2", "²",
+        ] {
+            assert!(
+                Lexer::new("a", text).number(String::new).is_err(),
+                "{text:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn whole_numbers_have_digits_only() {
+        for (text, wanted) in [
+            ("0", 0),
+            ("007", 7),
+            ("+3", 3),
+            ("99999999999999999999999", u64::MAX),
+        ] {
+            let whole = Lexer::new("a", text).whole(String::new);
+            assert_eq!(whole.map(|(whole, _)| whole), Ok(wanted));
+        }
+        for text in ["", "-1", "-0", "1.0", "1e3", "+", "x", "٣"] {
+            assert!(
+                Lexer::new("a", text).whole(String::new).is_err(),
+                "{text:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn unknown_words_are_skipped_to_a_keyword_or_past_a_block() {
+        for (text, left) in [
+            ("pos 0 0 1.57 pose 1", "pose"),
+            ("pos 0 0 }", "}"),
+            ("pos 1 2", ""),
+            ("cone a { { pose } { } } next", "next"),
+            ("{ pose } next", "next"),
+        ] {
+            let mut lexer = Lexer::new("a", text);
+            let mut warnings = Warnings::default();
+            let word = lexer.next();
+            let skipped = lexer.skip_unknown(word, |word| word == "pose", &mut warnings);
+            assert_eq!((skipped, lexer.next().text), (Ok(()), left), "{text}");
+            assert_eq!(warnings.into_sentences().len(), 1);
+        }
+    }
+
+    #[test]
+    fn an_unknown_block_without_an_end_is_a_fault() {
+        let mut lexer = Lexer::new("a", "x\n { {} ");
+        let word = lexer.next();
+        let fault = lexer.skip_unknown(word, |_| false, &mut Warnings::default());
+        let message = fault
+            .map_err(|fault| fault.to_string())
+            .err()
+            .unwrap_or_default();
+        assert_eq!(
+            message,
+            "a:2:7: expected `}` for the `{` at 2:2, but found the end of the file"
+        );
+    }
+
+    #[test]
+    fn faults_are_told_backwards_and_forwards_alike() {
+        let lexer = Lexer::new("a", "1\n22\n333");
+        let place = |offset| lexer.line_column(Token { text: "", offset });
+        assert_eq!([place(5), place(2), place(6)], [(3, 1), (2, 1), (3, 2)]);
+    }
+
+    #[test]
+    fn what_is_quoted_is_short_and_on_one_line() {
+        let long = "x".repeat(1_000_000);
+        let mut lexer = Lexer::new("a", &long);
+        let token = lexer.next();
+        assert!(lexer.fault(token, "y").to_string().len() < 100);
+        assert_eq!(quoted("a\u{7f}b\u{85}"), "`a\\u{7f}b\\u{85}`");
+    }
+}

@@ -1,0 +1,316 @@
+//! What each kind of source opens and what it refuses, on real folders.
+
+use super::{Budget, Denied, read_regular, reading};
+use crate::formats::{File, FileRef, LoadError, Loaded, Source, load};
+use crate::limits::{LimitExceeded, Limits};
+use cap_std::ambient_authority;
+use cap_std::fs::Dir;
+use std::path::{Path, PathBuf};
+
+const SKEL: &str = "balljoint root { }";
+const SKIN: &str = "positions 1 { 0 0 0 } triangles 0 { } material m { texture skin.bmp }";
+
+/// A folder of its own for each test:
+/// ```text
+/// secret.skel
+/// root/  good.skel  skin.skin  skin.bmp  folder/  pipe
+///        inside.skel -> good.skel      escape.skel -> ../secret.skel      loop.skel -> loop.skel
+///        sub/  up.skin (its texture is ../../secret.skel)
+/// ```
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(test: &str) -> Self {
+        let folder = format!("rigd-source-{}-{test}", std::process::id());
+        let base = std::env::temp_dir().join(folder);
+        let root = base.join("root");
+        std::fs::create_dir_all(root.join("folder")).expect("the temporary folder is ours");
+        std::fs::create_dir_all(root.join("sub")).expect("the temporary folder is ours");
+        let up = SKIN.replace("skin.bmp", "../../secret.skel");
+        for (file, text) in [
+            ("secret.skel", SKEL),
+            ("root/good.skel", SKEL),
+            ("root/skin.skin", SKIN),
+            ("root/skin.bmp", "BM"),
+            ("root/sub/up.skin", &up),
+        ] {
+            std::fs::write(base.join(file), text).expect("the temporary folder is ours");
+        }
+        #[cfg(unix)]
+        for (target, link) in [
+            ("good.skel", "inside.skel"),
+            ("../secret.skel", "escape.skel"),
+            ("loop.skel", "loop.skel"),
+        ] {
+            std::os::unix::fs::symlink(target, root.join(link)).expect("links can be made here");
+        }
+        Self(base)
+    }
+
+    fn root(&self) -> PathBuf {
+        self.0.join("root")
+    }
+
+    fn rooted(&self) -> Source {
+        Source::rooted(&self.root()).expect("the root is there")
+    }
+
+    /// Whether a pipe could be made.
+    fn make_pipe(&self) -> bool {
+        let made = std::process::Command::new("mkfifo")
+            .arg(self.root().join("pipe"))
+            .status();
+        made.is_ok_and(|status| status.success())
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn load_path(source: &Source, path: &str) -> Result<Loaded, LoadError> {
+    load(
+        &[FileRef::Path(path.to_owned())],
+        source,
+        &Limits::default(),
+    )
+}
+
+/// The kind of an error, with the file that it names.
+fn kind(result: Result<Loaded, LoadError>) -> String {
+    match result {
+        Ok(loaded) => format!("ok {}", loaded.name),
+        Err(LoadError::FileNotFound { file }) => format!("not found {file}"),
+        Err(LoadError::PathNotAllowed { file, .. }) => format!("not allowed {file}"),
+        Err(other) => format!("other: {other}"),
+    }
+}
+
+#[test]
+fn nothing_leads_out_of_a_root() {
+    let folder = Folder::new("root");
+    let source = folder.rooted();
+    let absolute = folder.0.join("secret.skel").display().to_string();
+    let absolute_inside = folder.root().join("good.skel").display().to_string();
+    for (path, wanted) in [
+        ("good.skel", "ok good".to_owned()),
+        ("./folder/../good.skel", "ok good".to_owned()),
+        ("missing.skel", "not found missing.skel".to_owned()),
+        ("good.skel/x.skel", "not found good.skel/x.skel".to_owned()),
+        ("../secret.skel", "not allowed ../secret.skel".to_owned()),
+        (
+            "folder/../../secret.skel",
+            "not allowed folder/../../secret.skel".to_owned(),
+        ),
+        ("../missing.skel", "not allowed ../missing.skel".to_owned()),
+        (
+            "../root/good.skel",
+            "not allowed ../root/good.skel".to_owned(),
+        ),
+        (&absolute, format!("not allowed {absolute}")),
+        (&absolute_inside, format!("not allowed {absolute_inside}")),
+        ("folder", "not allowed folder".to_owned()),
+        ("folder/", "not allowed folder/".to_owned()),
+        ("", "not allowed ".to_owned()),
+        (".", "not allowed .".to_owned()),
+        ("good.skel\0", "not allowed good.skel\0".to_owned()),
+    ] {
+        assert_eq!(kind(load_path(&source, path)), wanted, "{path:?}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn links_are_followed_inside_a_root_only() {
+    let folder = Folder::new("links");
+    let source = folder.rooted();
+    assert_eq!(kind(load_path(&source, "inside.skel")), "ok inside");
+    assert_eq!(
+        kind(load_path(&source, "escape.skel")),
+        "not allowed escape.skel"
+    );
+    assert!(load_path(&source, "loop.skel").is_err());
+    let local = folder.root().join("escape.skel").display().to_string();
+    assert_eq!(kind(load_path(&Source::local(), &local)), "ok escape");
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_not_waited_for() {
+    let folder = Folder::new("pipe");
+    if !folder.make_pipe() {
+        println!("left out: mkfifo does not work here");
+        return;
+    }
+    assert_eq!(
+        kind(load_path(&folder.rooted(), "pipe")),
+        "not allowed pipe"
+    );
+    let local = folder.root().join("pipe").display().to_string();
+    assert_eq!(
+        kind(load_path(&Source::local(), &local)),
+        format!("not allowed {local}")
+    );
+    assert_eq!(
+        kind(load_path(&Source::local(), "/dev/zero")),
+        "not allowed /dev/zero"
+    );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_pipe_that_takes_a_files_place_is_not_waited_for() {
+    let folder = Folder::new("race");
+    if !folder.make_pipe() {
+        println!("left out: mkfifo does not work here");
+        return;
+    }
+    let dir = Dir::open_ambient_dir(folder.root(), ambient_authority()).expect("it is there");
+    // What happens where the look before opening still saw a file.
+    let pipe = dir
+        .open_with("pipe", &reading())
+        .expect("opening does not wait");
+    let read = read_regular(pipe, &mut Budget::new(&Limits::default()));
+    assert!(matches!(read, Err(Denied::NotAllowed(_))));
+}
+
+#[test]
+fn a_source_without_paths_opens_none() {
+    let source = Source::inline_only();
+    assert_eq!(
+        kind(load_path(&source, "good.skel")),
+        "not allowed good.skel"
+    );
+}
+
+#[test]
+fn textures_are_looked_up_beside_their_skin() {
+    let folder = Folder::new("texture");
+    let local = folder.root().join("skin.skin").display().to_string();
+    for (source, path) in [(folder.rooted(), "skin.skin"), (Source::local(), &*local)] {
+        let rig = load_path(&source, path).expect("the skin is fine").rig;
+        let texture = rig.materials()[0]
+            .texture
+            .as_ref()
+            .expect("it lies beside the skin");
+        assert_eq!(
+            (texture.file.as_str(), &*texture.encoded),
+            ("skin.bmp", &b"BM"[..])
+        );
+    }
+}
+
+#[test]
+fn a_texture_outside_is_left_out_with_a_warning() {
+    let folder = Folder::new("outside");
+    let local = folder.root().join("sub/up.skin").display().to_string();
+    for (source, path) in [(folder.rooted(), "sub/up.skin"), (Source::local(), &*local)] {
+        let rig = load_path(&source, path).expect("the skin is fine").rig;
+        assert!(rig.materials()[0].texture.is_none());
+        let wanted = format!(
+            "{path}:1:60: the texture `../../secret.skel` is left out: \
+             it leads out of the folder that files are read from"
+        );
+        assert_eq!(rig.warnings(), [wanted]);
+    }
+}
+
+#[test]
+fn the_bytes_of_all_files_together_are_held_to_their_limit() {
+    let folder = Folder::new("limit");
+    let inline = FileRef::Inline(File {
+        name: "a.bmp".to_owned(),
+        bytes: (*b"BM").into(),
+    });
+    let path = |path: &str| FileRef::Path(path.to_owned());
+    let (skel, skin) = (SKEL.len() as u64, SKIN.len() as u64);
+    for (files, bytes) in [
+        (vec![path("good.skel")], skel),
+        (vec![path("good.skel"), inline.clone()], skel + 2),
+        (vec![inline, path("good.skel")], skel + 2),
+        // The texture that the skin refers to counts.
+        (vec![path("skin.skin")], skin + 2),
+    ] {
+        let limits = |rig_file_bytes| Limits {
+            rig_file_bytes,
+            ..Limits::default()
+        };
+        assert!(
+            load(&files, &folder.rooted(), &limits(bytes)).is_ok(),
+            "{files:?}"
+        );
+        let result = load(&files, &folder.rooted(), &limits(bytes - 1));
+        let wanted = LimitExceeded {
+            limit: "rig_file_bytes",
+            maximum: bytes - 1,
+            asked: bytes,
+        };
+        assert!(
+            matches!(result, Err(LoadError::Limit(found)) if found == wanted),
+            "{files:?}"
+        );
+    }
+}
+
+#[test]
+fn a_file_too_large_is_refused_before_it_is_read() {
+    let folder = Folder::new("large");
+    // A hole: it takes no room on the disk, and would take hours to read.
+    let bytes = 1 << 40;
+    let file = std::fs::File::create(folder.root().join("skin.bmp"));
+    if !file.is_ok_and(|file| file.set_len(bytes).is_ok()) {
+        println!("left out: files with holes cannot be made here");
+        return;
+    }
+    for path in ["skin.bmp", "skin.skin"] {
+        let result = load_path(&folder.rooted(), path);
+        let before = if path == "skin.skin" {
+            SKIN.len() as u64
+        } else {
+            0
+        };
+        assert!(
+            matches!(result, Err(LoadError::Limit(found)) if found.asked == before + bytes),
+            "{path}"
+        );
+    }
+}
+
+#[test]
+fn a_texture_found_counts_in_the_digest_as_one_that_was_sent() {
+    let folder = Folder::new("digest");
+    let skin = FileRef::Path("skin.skin".to_owned());
+    let sent = FileRef::Inline(File {
+        name: "skin.bmp".to_owned(),
+        bytes: (*b"BM").into(),
+    });
+    let digest = |files: &[FileRef]| {
+        let loaded = load(files, &folder.rooted(), &Limits::default());
+        loaded.expect("the skin is fine").digest
+    };
+    let found = digest(std::slice::from_ref(&skin));
+    assert_eq!(found, digest(&[skin.clone(), sent]));
+    std::fs::write(folder.root().join("skin.bmp"), "BM2").expect("the temporary folder is ours");
+    assert_ne!(found, digest(&[skin]));
+}
+
+#[test]
+fn a_file_that_grows_while_it_is_read_is_noticed() {
+    // Its size is told as 0.
+    let path = Path::new("/proc/self/status");
+    if !path.exists() {
+        println!("left out: there is no {}", path.display());
+        return;
+    }
+    let limits = Limits {
+        rig_file_bytes: 10,
+        ..Limits::default()
+    };
+    let read = Source::local().read("/proc/self/status", &mut Budget::new(&limits));
+    assert!(matches!(
+        read,
+        Err(Denied::Limit(LimitExceeded { asked: 11, .. }))
+    ));
+}

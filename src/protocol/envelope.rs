@@ -1,0 +1,215 @@
+//! A request on its way in: one line, of which as much as possible is understood even where it is wrong.
+//! Never lives here: where lines end, how long they may be, and what a method's parameters are.
+
+use super::error::Fault;
+use super::id::Id;
+use super::parse::{reworded, shortened};
+use super::strict::unknown_field;
+use serde::Deserializer;
+use serde::de::{DeserializeOwned, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde_json::value::RawValue;
+use std::fmt;
+
+/// A request or, without an `id`, a notification. Its parameters are still raw; [`params`](fn@super::params) types them.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// `None` makes it a notification, which is never answered. `null` is an id like any other.
+    pub id: Option<Id>,
+    pub method: String,
+    pub params: Option<Box<RawValue>>,
+    /// Milliseconds from arrival.
+    pub deadline_ms: Option<u64>,
+    /// Raw bytes that follow the line.
+    pub attach_bytes: u64,
+}
+
+/// A line that is no request. It is answered all the same, and the connection goes on behind it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BadRequest {
+    /// For the reply: null where none could be read.
+    pub id: Id,
+    /// Raw bytes that follow the line. `None` where the line seems to announce some and their number cannot be read: where the next line
+    /// starts is then anybody's guess.
+    pub attach_bytes: Option<u64>,
+    pub fault: Fault,
+}
+
+const MEMBERS: [&str; 6] = [
+    "jsonrpc",
+    "id",
+    "method",
+    "params",
+    "deadline_ms",
+    "attach_bytes",
+];
+
+impl Request {
+    /// From one line, with or without its end.
+    ///
+    /// # Errors
+    /// [`BadRequest`], with as much of the id and the framing as could be read.
+    pub fn parse(line: &[u8]) -> Result<Self, BadRequest> {
+        let mut draft = Draft::default();
+        let outcome = std::str::from_utf8(line)
+            .map_err(|problem| Fault::ParseError {
+                message: format!(
+                    "the line is not UTF-8: see byte {}",
+                    problem.valid_up_to() + 1
+                ),
+            })
+            .and_then(|text| draft.read(text));
+        match outcome.and_then(|()| draft.method()) {
+            Ok(method) => Ok(Self {
+                id: draft.id,
+                method,
+                params: draft.params,
+                deadline_ms: draft.deadline_ms,
+                attach_bytes: draft.attach_bytes.unwrap_or(0),
+            }),
+            Err(fault) => Err(BadRequest {
+                attach_bytes: draft.framing(line, &fault),
+                id: draft.id.unwrap_or(Id::Null),
+                fault,
+            }),
+        }
+    }
+}
+
+/// What has been read of a line so far, and the first thing that was wrong with it. Reading goes on behind a fault, so that the id and the
+/// framing are known wherever in the line they stand.
+#[derive(Default)]
+struct Draft {
+    seen: [bool; MEMBERS.len()],
+    id: Option<Id>,
+    method: Option<String>,
+    params: Option<Box<RawValue>>,
+    deadline_ms: Option<u64>,
+    attach_bytes: Option<u64>,
+    fault: Option<Fault>,
+}
+
+impl Draft {
+    fn read(&mut self, text: &str) -> Result<(), Fault> {
+        let mut inner = serde_json::Deserializer::from_str(text);
+        (&mut inner)
+            .deserialize_any(LineVisitor(self))
+            .and_then(|()| inner.end())
+            .map_err(|error| {
+                let (_, message) = reworded(&error);
+                match error.classify() {
+                    serde_json::error::Category::Data => Fault::InvalidRequest {
+                        message,
+                        path: None,
+                    },
+                    _ => Fault::ParseError {
+                        message: format!("{message} at column {} of the line", error.column()),
+                    },
+                }
+            })?;
+        match self.fault.take() {
+            Some(fault) => Err(fault),
+            None => Ok(()),
+        }
+    }
+
+    fn method(&mut self) -> Result<String, Fault> {
+        if !self.seen[0] {
+            return Err(invalid(
+                "jsonrpc",
+                "expected `\"2.0\"`, but the member is missing",
+            ));
+        }
+        self.method
+            .take()
+            .ok_or_else(|| invalid("method", "the member is missing"))
+    }
+
+    fn framing(&self, line: &[u8], fault: &Fault) -> Option<u64> {
+        let name = b"attach_bytes";
+        let cut_short = matches!(fault, Fault::ParseError { .. });
+        let announced =
+            self.seen[5] || (cut_short && line.windows(name.len()).any(|window| window == name));
+        if announced {
+            self.attach_bytes
+        } else {
+            Some(0)
+        }
+    }
+
+    fn complain(&mut self, path: &str, message: impl Into<String>) {
+        if self.fault.is_none() {
+            self.fault = Some(invalid(path, message));
+        }
+    }
+
+    fn member(&mut self, key: &str, raw: &RawValue) {
+        let Some(index) = MEMBERS.iter().position(|member| *member == key) else {
+            self.complain(key, unknown_field(key, &MEMBERS));
+            return;
+        };
+        if std::mem::replace(&mut self.seen[index], true) {
+            self.complain(key, format!("`{key}` is given twice"));
+            return;
+        }
+        match key {
+            "jsonrpc" => {
+                let version: Option<String> = self.typed(key, raw, "`\"2.0\"`");
+                if version.is_some_and(|version| version != "2.0") {
+                    self.complain(key, "expected `\"2.0\"`, but found another version");
+                }
+            }
+            "id" => self.id = self.typed(key, raw, Id::EXPECTED),
+            "method" => self.method = self.typed(key, raw, "a string"),
+            "params" if raw.get().starts_with('{') => self.params = Some(raw.to_owned()),
+            "params" => self.complain(key, "expected an object: parameters go by name"),
+            "deadline_ms" => self.deadline_ms = self.typed(key, raw, "a number of milliseconds"),
+            _ => self.attach_bytes = self.typed(key, raw, "a number of bytes"),
+        }
+    }
+
+    fn typed<T: DeserializeOwned>(&mut self, key: &str, raw: &RawValue, what: &str) -> Option<T> {
+        let value = serde_json::from_str(raw.get()).ok();
+        if value.is_none() {
+            let found = shortened(raw.get());
+            self.complain(key, format!("expected {what}, but found {found}"));
+        }
+        value
+    }
+}
+
+fn invalid(path: &str, message: impl Into<String>) -> Fault {
+    Fault::InvalidRequest {
+        message: format!("{}: {}", shortened(path), message.into()),
+        path: Some(shortened(path)),
+    }
+}
+
+struct LineVisitor<'a>(&'a mut Draft);
+
+impl<'de> Visitor<'de> for LineVisitor<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a request, which is an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut members: A) -> Result<(), A::Error> {
+        while let Some(key) = members.next_key::<String>()? {
+            self.0.member(&key, members.next_value()?);
+        }
+        Ok(())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
+        // To the end, since a broken list is a broken line.
+        while seq.next_element::<IgnoredAny>()?.is_some() {}
+        self.0.fault = Some(Fault::InvalidRequest {
+            message: "expected a request, but found a list: write one request to a line, as many as you like before reading".to_owned(),
+            path: None,
+        });
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,192 @@
+//! The other half of the envelope: replies on their way out and, for a client, replies on their way in and requests on their way out.
+//! Never lives here: requests on their way in; they come from strangers and have a file of their own.
+
+use super::attach::Attachments;
+use super::error::ErrorObject;
+use super::id::Id;
+use serde::de::Error;
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+
+/// A reply as a client reads it: either a result or an error.
+#[derive(Debug, Clone)]
+pub struct Reply {
+    pub id: Id,
+    pub outcome: Result<Box<RawValue>, ErrorObject>,
+    /// Raw bytes that follow the line.
+    pub attach_bytes: u64,
+}
+
+impl Reply {
+    /// # Errors
+    /// Where the line is no reply.
+    pub fn parse(line: &[u8]) -> Result<Self, serde_json::Error> {
+        let members: ReplyMembers = serde_json::from_slice(line)?;
+        let outcome = match (members.result, members.error) {
+            (Some(result), None) => Ok(result),
+            (None, Some(error)) => Err(error),
+            _ => {
+                return Err(Error::custom("expected either a `result` or an `error`"));
+            }
+        };
+        Ok(Self {
+            id: members.id,
+            outcome,
+            attach_bytes: members.attach_bytes,
+        })
+    }
+}
+
+#[derive(Deserialize)]
+struct ReplyMembers {
+    id: Id,
+    result: Option<Box<RawValue>>,
+    error: Option<ErrorObject>,
+    #[serde(default)]
+    attach_bytes: u64,
+}
+
+/// A request as a client writes it. Without an `id` it is a notification.
+#[derive(Debug, Clone, Copy)]
+pub struct Outgoing<'a, P: ?Sized> {
+    pub id: Option<&'a Id>,
+    pub method: &'a str,
+    pub params: &'a P,
+    pub deadline_ms: Option<u64>,
+    /// Raw bytes that will follow the line.
+    pub attach_bytes: u64,
+}
+
+impl<P: Serialize + ?Sized> Outgoing<'_, P> {
+    /// The line, with its end.
+    ///
+    /// # Errors
+    /// Where the parameters cannot be JSON: a map with keys that are no strings.
+    pub fn line(&self) -> Result<Vec<u8>, serde_json::Error> {
+        line_of(&RequestLine {
+            jsonrpc: "2.0",
+            id: self.id,
+            method: self.method,
+            params: self.params,
+            deadline_ms: self.deadline_ms,
+            attach_bytes: (self.attach_bytes > 0).then_some(self.attach_bytes),
+        })
+    }
+}
+
+/// Writes the line of a result, with its end. The raw bytes of `attachments` are to follow it.
+///
+/// # Errors
+/// Where the result cannot be JSON: a map with keys that are no strings.
+pub fn result_line<R: Serialize + ?Sized>(
+    id: &Id,
+    result: &R,
+    attachments: &Attachments,
+) -> Result<Vec<u8>, serde_json::Error> {
+    line_of(&ResultLine {
+        jsonrpc: "2.0",
+        id,
+        result,
+        attach_bytes: (attachments.total() > 0).then(|| attachments.total()),
+    })
+}
+
+/// Writes the line of an error, with its end.
+pub fn error_line(id: &Id, error: &ErrorObject) -> Vec<u8> {
+    line_of(&ErrorLine {
+        jsonrpc: "2.0",
+        id,
+        error,
+    })
+    .expect("an error object has nothing that JSON cannot hold")
+}
+
+fn line_of(message: &impl Serialize) -> Result<Vec<u8>, serde_json::Error> {
+    let mut line = serde_json::to_vec(message)?;
+    line.push(b'\n');
+    Ok(line)
+}
+
+#[derive(Serialize)]
+struct RequestLine<'a, P: ?Sized> {
+    jsonrpc: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    id: Option<&'a Id>,
+    method: &'a str,
+    params: &'a P,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    deadline_ms: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    attach_bytes: Option<u64>,
+}
+
+#[derive(Serialize)]
+struct ResultLine<'a, R: ?Sized> {
+    jsonrpc: &'static str,
+    id: &'a Id,
+    result: &'a R,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    attach_bytes: Option<u64>,
+}
+
+#[derive(Serialize)]
+struct ErrorLine<'a> {
+    jsonrpc: &'static str,
+    id: &'a Id,
+    error: &'a ErrorObject,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::protocol::{Fault, Kind, Request};
+    use serde_json::json;
+
+    fn text(line: Vec<u8>) -> String {
+        String::from_utf8(line).unwrap()
+    }
+
+    #[test]
+    fn lines_look_as_json_rpc_says() {
+        let mut attachments = Attachments::default();
+        let id = Id::Text("a\n".into());
+        let plain = result_line(&id, &json!({}), &attachments).unwrap();
+        assert_eq!(
+            text(plain),
+            "{\"jsonrpc\":\"2.0\",\"id\":\"a\\n\",\"result\":{}}\n"
+        );
+        attachments.push(vec![0; 3]);
+        let attached = result_line(&Id::Null, &json!({}), &attachments).unwrap();
+        assert_eq!(
+            text(attached),
+            "{\"jsonrpc\":\"2.0\",\"id\":null,\"result\":{},\"attach_bytes\":3}\n"
+        );
+        let error = error_line(&Id::from(1), &Fault::Cancelled.into());
+        assert_eq!(
+            text(error.clone()),
+            "{\"jsonrpc\":\"2.0\",\"id\":1,\"error\":{\"code\":-32010,\"message\":\"the request was cancelled\",\"data\":{\"kind\":\"cancelled\",\"retryable\":false}}}\n"
+        );
+        let read = Reply::parse(&error).unwrap().outcome.unwrap_err();
+        assert_eq!(read.kind(), Some(Kind::Cancelled));
+    }
+
+    #[test]
+    fn a_request_is_read_as_it_was_written() {
+        let id = Id::Integer(-4);
+        let params = json!({ "rig": "wasp" });
+        let mut outgoing = Outgoing {
+            id: Some(&id),
+            method: "rig.describe",
+            params: &params,
+            deadline_ms: Some(20),
+            attach_bytes: 7,
+        };
+        let request = Request::parse(&outgoing.line().unwrap()).unwrap();
+        assert_eq!((request.id.as_ref(), request.attach_bytes), (Some(&id), 7));
+        assert_eq!(request.deadline_ms, Some(20));
+        assert_eq!(request.params.unwrap().get(), params.to_string());
+        outgoing.id = None;
+        let notification = Request::parse(&outgoing.line().unwrap()).unwrap();
+        assert_eq!(notification.id, None);
+    }
+}

@@ -1,0 +1,169 @@
+//! The table of methods: name, parameters, result, and the errors to expect beside the general ones.
+//! Never lives here: what a method does.
+
+use super::error::{Fault, Kind};
+use super::parse::{nearest, shortened};
+use super::{Done, NoParams, frame, mesh, pose, rig, server};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use std::borrow::Cow;
+
+macro_rules! methods {
+    ($($(#[doc = $doc:literal])* $variant:ident $name:literal $params:ty => $result:ty, $errors:expr;)*) => {
+        /// Everything that a server can be asked for.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum Method { $($(#[doc = $doc])* $variant,)* }
+
+        impl Method {
+            pub const ALL: &[Self] = &[$(Self::$variant,)*];
+
+            /// As the wire spells it.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name,)* }
+            }
+
+            /// What it does, in a sentence or two.
+            pub fn summary(self) -> &'static str {
+                match self { $(Self::$variant => concat!($($doc),*).trim_start(),)* }
+            }
+
+            /// What can go wrong beside [`Method::GENERAL_ERRORS`].
+            pub fn errors(self) -> &'static [Kind] {
+                match self { $(Self::$variant => &$errors,)* }
+            }
+
+            /// The name under which the generator keeps the schema of the parameters.
+            pub(super) fn params_schema(self, generator: &mut SchemaGenerator) -> Cow<'static, str> {
+                match self {
+                    $(Self::$variant => {
+                        generator.subschema_for::<$params>();
+                        <$params>::schema_name()
+                    })*
+                }
+            }
+
+            pub(super) fn result_schema(self, generator: &mut SchemaGenerator) -> Schema {
+                match self { $(Self::$variant => generator.subschema_for::<$result>(),)* }
+            }
+        }
+    };
+}
+
+methods! {
+    /// Gives this document.
+    RpcDiscover "rpc.discover" NoParams => Document, [];
+    /// Tells what answers, what draws, and which limits hold.
+    ServerInfo "server.info" NoParams => server::ServerInfo, [];
+    /// Does nothing: to see whether anybody answers.
+    ServerPing "server.ping" NoParams => Done, [];
+    /// Gives counters and gauges.
+    ServerStats "server.stats" NoParams => server::ServerStats, [];
+    /// Loads a rig from its files. The same rig under the same name again changes nothing and costs nothing.
+    RigLoad "rig.load" rig::LoadParams => rig::RigSummary, [
+        Kind::RigFileInvalid, Kind::RigNameTaken, Kind::LimitExceeded, Kind::FileNotFound, Kind::PathNotAllowed,
+    ];
+    /// Forgets a rig and its stored pose. Requests in hand keep what they started with.
+    RigUnload "rig.unload" rig::RigParams => Done, [Kind::RigNotLoaded];
+    /// Lists the loaded rigs.
+    RigList "rig.list" NoParams => rig::RigList, [];
+    /// Tells everything about a rig but its vertices and triangles.
+    RigDescribe "rig.describe" rig::RigParams => rig::RigDescription, [Kind::RigNotLoaded];
+    /// Gives the stored pose of a rig.
+    PoseGet "pose.get" rig::RigParams => pose::StoredPose, [Kind::RigNotLoaded];
+    /// Changes the stored pose of a rig, for every request that comes after.
+    PoseSet "pose.set" pose::PoseSetParams => pose::PoseSetResult, [Kind::RigNotLoaded];
+    /// Sets every degree of freedom of the stored pose back to the file's own value.
+    PoseReset "pose.reset" rig::RigParams => Done, [Kind::RigNotLoaded];
+    /// Draws a rig.
+    FrameRender "frame.render" frame::FrameParams => frame::Frame, [
+        Kind::RigNotLoaded, Kind::LimitExceeded, Kind::DeviceLost,
+    ];
+    /// Gives skinned vertices, in the order of the file.
+    MeshVertices "mesh.vertices" mesh::VerticesParams => mesh::Vertices, [
+        Kind::RigNotLoaded, Kind::LimitExceeded, Kind::DeviceLost,
+    ];
+    /// Gives triangles and texture coordinates, which stay the same in every pose.
+    MeshTopology "mesh.topology" mesh::TopologyParams => mesh::Topology, [
+        Kind::RigNotLoaded, Kind::LimitExceeded,
+    ];
+    /// Tells where the joints are in world space.
+    JointTransforms "joint.transforms" pose::TransformsParams => pose::Transforms, [Kind::RigNotLoaded];
+    /// Ends an earlier request of the same connection, which is then answered with `cancelled`. A notification: it has no `id` and gets no answer.
+    RequestCancel "request.cancel" server::Cancel => Done, [];
+}
+
+impl Method {
+    /// What can go wrong with every request.
+    pub const GENERAL_ERRORS: &[Kind] = &[
+        Kind::ParseError,
+        Kind::InvalidRequest,
+        Kind::InvalidParams,
+        Kind::Internal,
+        Kind::Unauthorized,
+        Kind::Busy,
+        Kind::DeadlineExceeded,
+        Kind::ShuttingDown,
+        Kind::Cancelled,
+    ];
+
+    /// # Errors
+    /// [`Fault::MethodNotFound`], with the name that may have been meant.
+    pub fn named(name: &str) -> Result<Self, Fault> {
+        let known = || Self::ALL.iter().copied();
+        known()
+            .find(|method| method.name() == name)
+            .ok_or_else(|| Fault::MethodNotFound {
+                method: shortened(name),
+                nearest: nearest(name, known().map(Self::name)).map(str::to_owned),
+            })
+    }
+
+    /// Whether it only makes sense without an `id`.
+    pub fn is_notification(self) -> bool {
+        self == Self::RequestCancel
+    }
+}
+
+/// What `rpc.discover` gives; [`openrpc`](fn@super::openrpc) makes it.
+struct Document;
+
+impl JsonSchema for Document {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Document".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": "An OpenRPC document.",
+            "type": "object",
+            "required": ["openrpc", "info", "methods"],
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn methods_are_found_by_name_and_near_ones_are_offered() {
+        for method in Method::ALL {
+            assert_eq!(Method::named(method.name()), Ok(*method));
+        }
+        for (name, message) in [
+            (
+                "frame.rendr",
+                "there is no method `frame.rendr`; did you mean `frame.render`?",
+            ),
+            ("zzz", "there is no method `zzz`"),
+            ("", "there is no method ``"),
+        ] {
+            assert_eq!(Method::named(name).unwrap_err().to_string(), message);
+        }
+        let long = Method::named(&"x".repeat(100_000)).unwrap_err();
+        assert!(long.to_string().len() < 1000);
+    }
+}

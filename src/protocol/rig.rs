@@ -1,0 +1,252 @@
+//! `rig.*`: files in, summaries and descriptions out.
+//! Never lives here: the formats of those files.
+
+use super::attach::{Attach, Base64};
+use super::parse::field_error;
+use super::strict::object;
+use schemars::JsonSchema;
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use std::fmt;
+
+/// Loads a rig from its files.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LoadParams {
+    /// What to call the rig from here on. Without it, the stem of the first file's name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// All files of the rig, in any order but for the name that the first one may give it. Files that these refer to are found below the
+    /// server's root, beside the file that names them, or inline by their name.
+    pub files: Vec<RigFile>,
+    /// Whether this rig may take the place of another one of the same name. The same rig may always be loaded again.
+    #[serde(default)]
+    pub replace: bool,
+}
+
+/// One file: a path below the server's root, or the file itself under a name of its own.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(deny_unknown_fields)]
+pub enum RigFile {
+    /// A path below the server's root, with `/` between its parts.
+    Path(String),
+    /// A file of text.
+    Text {
+        /// Base name; its extension is a hint at the format.
+        name: String,
+        /// The whole content.
+        text: String,
+    },
+    /// A file of any bytes.
+    Base64 {
+        /// Base name; its extension is a hint at the format.
+        name: String,
+        /// The whole content, in base64.
+        base64: Base64,
+    },
+    /// A file among the raw bytes that follow the request.
+    Attached {
+        /// Base name; its extension is a hint at the format.
+        name: String,
+        /// Where its content lies.
+        attach: Attach,
+    },
+}
+
+impl<'de> Deserialize<'de> for RigFile {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(FileVisitor)
+    }
+}
+
+struct FileVisitor;
+
+impl<'de> Visitor<'de> for FileVisitor {
+    type Value = RigFile;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a path or an object with a `name` and one of `text`, `base64`, `attach`")
+    }
+
+    fn visit_str<E: Error>(self, path: &str) -> Result<RigFile, E> {
+        Ok(RigFile::Path(path.to_owned()))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, members: A) -> Result<RigFile, A::Error> {
+        let FileFields {
+            name,
+            text,
+            base64,
+            attach,
+        } = object(members)?;
+        match (text, base64, attach) {
+            (Some(text), None, None) => Ok(RigFile::Text { name, text }),
+            (None, Some(base64), None) => Ok(RigFile::Base64 { name, base64 }),
+            (None, None, Some(attach)) => Ok(RigFile::Attached { name, attach }),
+            (None, None, None) => Err(A::Error::missing_field("text")),
+            (Some(_), _, _) => Err(only_one("text")),
+            _ => Err(only_one("base64")),
+        }
+    }
+}
+
+fn only_one<E: Error>(field: &str) -> E {
+    field_error(
+        field,
+        "expected only one of `text`, `base64`, `attach`, but found several",
+    )
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileFields {
+    name: String,
+    text: Option<String>,
+    base64: Option<Base64>,
+    attach: Option<Attach>,
+}
+
+/// Names a rig.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RigParams {
+    /// Name or digest of a loaded rig.
+    pub rig: String,
+}
+
+/// The loaded rigs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RigList {
+    /// Sorted by name.
+    pub rigs: Vec<RigSummary>,
+}
+
+/// A loaded rig in a few numbers.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct RigSummary {
+    pub name: String,
+    /// `sha256:` and 64 hexadecimal digits, over names and contents of all files: the same on every server that has the same files.
+    pub digest: String,
+    /// The readers that were used, e.g. `cse169.skel`; each once, sorted.
+    pub dialects: Vec<String>,
+    pub joint_count: u64,
+    pub dof_count: u64,
+    pub vertex_count: u64,
+    pub triangle_count: u64,
+    pub morph_count: u64,
+    pub clip_count: u64,
+    /// What was odd in the files but could be worked with, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// Everything about a rig but its vertices and triangles.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RigDescription {
+    #[serde(flatten)]
+    pub summary: RigSummary,
+    /// In file order, which puts parents before their children.
+    pub joints: Vec<JointDescription>,
+    /// In the order that `dof_values` of a pose goes by.
+    pub dofs: Vec<DofDescription>,
+    pub meshes: Vec<MeshDescription>,
+    pub materials: Vec<MaterialDescription>,
+    /// None of the formats read so far has any.
+    pub morphs: Vec<MorphDescription>,
+    /// None of the formats read so far has any.
+    pub clips: Vec<ClipDescription>,
+    /// Of the skinned vertices and the joints at rest.
+    pub bounds: Bounds,
+}
+
+/// One joint, as the file has it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct JointDescription {
+    pub name: String,
+    /// Null for the root.
+    pub parent: Option<String>,
+    /// From the parent's origin to this joint's, in the parent's space.
+    pub offset: [f64; 3],
+    pub rotation_order: RotationOrder,
+    /// Smallest and largest corner of the joint's own box, in its own space; null where the format knows of none.
+    pub bounding_box: Option<Bounds>,
+}
+
+/// How the three Euler angles of a joint are multiplied, acting on column vectors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RotationOrder {
+    /// Rz·Ry·Rx: the turn about x comes first.
+    Zyx,
+    /// Rx·Ry·Rz: the turn about z comes first.
+    Xyz,
+}
+
+/// One number that a pose sets.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DofDescription {
+    /// The joint's name and one of `tx ty tz rx ry rz`, e.g. `elbow.rx`.
+    pub name: String,
+    pub kind: DofKind,
+    /// Null for one that belongs to no joint.
+    pub joint: Option<String>,
+    /// Null without limit.
+    pub min: Option<f64>,
+    /// Null without limit.
+    pub max: Option<f64>,
+    /// The file's own value.
+    pub rest: f64,
+    /// In the stored pose.
+    pub value: f64,
+}
+
+/// What a degree of freedom moves, and so its unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum DofKind {
+    /// Displacement from rest along an axis of the parent, in the rig's units.
+    Translation,
+    /// Local Euler angle about an axis, in radians.
+    Rotation,
+}
+
+/// One mesh.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct MeshDescription {
+    pub name: String,
+    pub vertex_count: u64,
+    pub triangle_count: u64,
+    /// Null where the file names none.
+    pub material: Option<String>,
+    /// Whether `mesh.topology` has `texcoords` for it.
+    pub has_texcoords: bool,
+}
+
+/// A named surface.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct MaterialDescription {
+    pub name: String,
+    /// The picture's file, by the name that the rig's file calls it; null without one.
+    pub texture: Option<String>,
+}
+
+/// A morph target.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct MorphDescription {
+    pub name: String,
+}
+
+/// An animation.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct ClipDescription {
+    pub name: String,
+}
+
+/// A box along the axes of its space, in the rig's units.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Bounds {
+    /// Smallest corner.
+    pub min: [f64; 3],
+    /// Largest corner.
+    pub max: [f64; 3],
+}

@@ -1,0 +1,147 @@
+//! One connection: this thread reads and acts, another writes replies in the order of the requests.
+
+use super::lines::{Lines, Next, Wait, is_timeout};
+use super::writer::{self, Queue};
+use super::{Place, Shared};
+use crate::protocol::Fault;
+use crate::service::{Conversation, Message};
+use std::io::Read;
+use std::net::{Shutdown, TcpStream};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// How often a silent connection looks whether the server stops.
+const TICK: Duration = Duration::from_millis(100);
+/// Once it stops, how long a silence means that nothing more has arrived.
+const LAST_TICK: Duration = Duration::from_millis(20);
+/// How long input is thrown away so that the last reply is not lost to a reset.
+const LINGER: Duration = Duration::from_secs(1);
+
+/// Serves `stream` until either side is done with it.
+pub(super) fn run(shared: &Arc<Shared>, stream: &TcpStream, place: Place) {
+    if prepare(shared, stream).is_err() {
+        // The peer is gone already.
+        return;
+    }
+    let in_flight = shared.service.limits().in_flight_per_connection as usize;
+    let queue = Queue::new(in_flight);
+    std::thread::scope(|scope| {
+        let queue = &queue;
+        let writing = std::thread::Builder::new()
+            .name("replies".to_owned())
+            .spawn_scoped(scope, move || writer::run(shared, stream, queue));
+        // Without a second thread there is nobody to answer.
+        if writing.is_ok() {
+            read(shared, stream, queue);
+        }
+        queue.close();
+    });
+    linger(stream);
+    drop(place);
+}
+
+fn prepare(shared: &Shared, stream: &TcpStream) -> std::io::Result<()> {
+    // A socket of a non-blocking listener is non-blocking itself on some systems.
+    stream.set_nonblocking(false)?;
+    stream.set_nodelay(true)?;
+    stream.set_read_timeout(Some(TICK))?;
+    stream.set_write_timeout(Some(shared.patience.stalled))
+}
+
+/// Reads messages and begins each, until there are no more or one cannot be followed by another.
+fn read(shared: &Shared, stream: &TcpStream, queue: &Queue) {
+    let limits = shared.service.limits();
+    let mut conversation = shared.service.converse();
+    let mut lines = Lines::new(stream, limits.line_bytes as usize, shared.patience.stalled);
+    let wait = || {
+        if queue.is_broken() {
+            return Wait::Stop;
+        }
+        if shared.is_stopping() {
+            // What has arrived is read without waiting for more.
+            let _ = stream.set_read_timeout(Some(LAST_TICK));
+            return Wait::Stop;
+        }
+        Wait::GoOn
+    };
+    let on_bytes = |count| shared.service.stats().read_bytes(count);
+    let mut is_first = true;
+    // Back-pressure: no line is read before there is room for its reply.
+    while queue.wait_for_room() {
+        if shared.grace_end().is_some_and(|end| Instant::now() >= end) {
+            return;
+        }
+        let message = match lines.next_line(&wait, &on_bytes) {
+            Next::End => return,
+            Next::TooLong => {
+                let (limit, maximum) = ("line_bytes".to_owned(), limits.line_bytes);
+                let fault = Fault::LimitExceeded { limit, maximum, asked: maximum + 1 };
+                answer(&mut conversation, queue, Message::unreadable(fault), Vec::new());
+                return;
+            }
+            Next::Line(line) if is_first && is_http(&line) => return,
+            Next::Line(line) => Message::read(&line, Instant::now()),
+        };
+        is_first = false;
+        let attached = match message.attach_bytes() {
+            Some(0) => Vec::new(),
+            Some(asked) if asked > limits.attachment_bytes => {
+                let (limit, maximum) = ("attachment_bytes".to_owned(), limits.attachment_bytes);
+                let refused = message.refused(Fault::LimitExceeded { limit, maximum, asked });
+                return answer(&mut conversation, queue, refused, Vec::new());
+            }
+            Some(count) => match lines.next_bytes(count as usize, &wait, &on_bytes) {
+                Some(attached) => attached,
+                None => return,
+            },
+            None => return answer(&mut conversation, queue, message, Vec::new()),
+        };
+        answer(&mut conversation, queue, message, attached);
+    }
+}
+
+fn answer(conversation: &mut Conversation, queue: &Queue, message: Message, attached: Vec<u8>) {
+    if let Some(pending) = conversation.begin(message, attached) {
+        queue.push(pending);
+    }
+}
+
+/// A browser that was talked into sending a request here gets nothing to work with.
+fn is_http(line: &[u8]) -> bool {
+    let methods = ["GET", "POST", "PUT", "HEAD", "OPTIONS", "DELETE", "PATCH", "CONNECT", "TRACE", "PRI"];
+    let first_word = line.split(|&byte| byte == b' ').next().unwrap_or_default();
+    first_word.len() < line.len() && methods.iter().any(|method| method.as_bytes() == first_word)
+}
+
+/// Closes gently: what the client still sends is thrown away for a while.
+fn linger(stream: &TcpStream) {
+    let until = Instant::now() + LINGER;
+    if stream.shutdown(Shutdown::Write).is_err() || stream.set_read_timeout(Some(LAST_TICK)).is_err() {
+        return;
+    }
+    let mut trash = [0; 4096];
+    let mut stream = stream;
+    while Instant::now() < until {
+        match stream.read(&mut trash) {
+            Ok(0) => return,
+            Ok(_) => {}
+            Err(error) if is_timeout(&error) => {}
+            Err(_) => return,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_http;
+
+    #[test]
+    fn http_is_told_from_json() {
+        for line in ["GET / HTTP/1.1", "POST /x HTTP/1.0", "PRI * HTTP/2.0"] {
+            assert!(is_http(line.as_bytes()), "{line}");
+        }
+        for line in ["{\"jsonrpc\":\"2.0\"}", "GETTING", "GET", " GET /", "get / HTTP/1.1"] {
+            assert!(!is_http(line.as_bytes()), "{line}");
+        }
+    }
+}

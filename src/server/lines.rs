@@ -1,0 +1,188 @@
+//! From a stream of bytes to bounded lines and the raw bytes between them.
+
+use std::io::{self, ErrorKind, Read};
+use std::time::{Duration, Instant};
+
+/// What came next.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Next {
+    /// Without its end. Blank lines are passed over.
+    Line(Vec<u8>),
+    /// The line grew past the limit; where the next one starts is not looked for.
+    TooLong,
+    /// No more will come: the client is done, is gone, or stopped in the middle of a message.
+    End,
+}
+
+/// Reads a client's bytes, never keeping more than a limit allows.
+pub(super) struct Lines<R> {
+    stream: R,
+    buffer: Vec<u8>,
+    /// How far `buffer` has been searched for the end of a line.
+    searched: usize,
+    line_limit: usize,
+    stalled: Duration,
+}
+
+/// Asked between two waits for bytes: whether to go on waiting.
+pub(super) enum Wait {
+    GoOn,
+    /// Take what is there and no more.
+    Stop,
+}
+
+/// What one read can bring.
+const CHUNK: usize = 64 << 10;
+
+impl<R: Read> Lines<R> {
+    /// The stream's reads are to time out, so that `wait` is asked now and then.
+    pub fn new(stream: R, line_limit: usize, stalled: Duration) -> Self {
+        Self { stream, buffer: Vec::new(), searched: 0, line_limit, stalled }
+    }
+
+    /// `on_bytes` hears of each read's length.
+    pub fn next_line(&mut self, wait: &impl Fn() -> Wait, on_bytes: &impl Fn(usize)) -> Next {
+        loop {
+            if let Some(at) = self.buffer[self.searched..].iter().position(|&byte| byte == b'\n') {
+                let end = self.searched + at;
+                if end > self.line_limit {
+                    return Next::TooLong;
+                }
+                let mut line = self.take(end + 1);
+                line.pop();
+                if line.last() == Some(&b'\r') {
+                    line.pop();
+                }
+                if line.iter().all(u8::is_ascii_whitespace) {
+                    continue;
+                }
+                return Next::Line(line);
+            }
+            self.searched = self.buffer.len();
+            if self.buffer.len() > self.line_limit {
+                return Next::TooLong;
+            }
+            let room = self.line_limit + 1 - self.buffer.len();
+            if !self.fill(room, wait, on_bytes) {
+                return Next::End;
+            }
+        }
+    }
+
+    /// The next `count` bytes as they are; `None` where they do not all come.
+    pub fn next_bytes(&mut self, count: usize, wait: &impl Fn() -> Wait, on_bytes: &impl Fn(usize)) -> Option<Vec<u8>> {
+        while self.buffer.len() < count {
+            let room = count - self.buffer.len();
+            if !self.fill(room, wait, on_bytes) {
+                return None;
+            }
+        }
+        Some(self.take(count))
+    }
+
+    fn take(&mut self, count: usize) -> Vec<u8> {
+        let rest = self.buffer.split_off(count);
+        self.searched = 0;
+        let mut taken = std::mem::replace(&mut self.buffer, rest);
+        taken.shrink_to(count);
+        taken
+    }
+
+    /// Reads at least one byte and at most `room`; `false` where there are no more.
+    fn fill(&mut self, room: usize, wait: &impl Fn() -> Wait, on_bytes: &impl Fn(usize)) -> bool {
+        let old = self.buffer.len();
+        self.buffer.resize(old + room.clamp(1, CHUNK), 0);
+        let started = Instant::now();
+        let count = loop {
+            match self.stream.read(&mut self.buffer[old..]) {
+                Ok(count) => break count,
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) if is_timeout(&error) => {
+                    let is_mid_message = old > 0;
+                    if matches!(wait(), Wait::Stop) || (is_mid_message && started.elapsed() >= self.stalled) {
+                        break 0;
+                    }
+                }
+                Err(_) => break 0,
+            }
+        };
+        self.buffer.truncate(old + count);
+        on_bytes(count);
+        count > 0
+    }
+}
+
+pub(super) fn is_timeout(error: &io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Gives its pieces one read at a time.
+    struct Pieces(std::collections::VecDeque<Vec<u8>>);
+
+    impl Read for Pieces {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            let Some(mut piece) = self.0.pop_front() else { return Ok(0) };
+            let count = piece.len().min(buffer.len());
+            buffer[..count].copy_from_slice(&piece[..count]);
+            if count < piece.len() {
+                self.0.push_front(piece.split_off(count));
+            }
+            Ok(count)
+        }
+    }
+
+    fn lines(pieces: &[&str], limit: usize) -> Lines<Pieces> {
+        let pieces = pieces.iter().map(|piece| piece.as_bytes().to_vec()).collect();
+        Lines::new(Pieces(pieces), limit, Duration::from_secs(1))
+    }
+
+    fn all(mut lines: Lines<Pieces>) -> Vec<Next> {
+        let mut found = Vec::new();
+        loop {
+            let next = lines.next_line(&|| Wait::GoOn, &|_| {});
+            let is_last = !matches!(next, Next::Line(_));
+            found.push(next);
+            if is_last {
+                return found;
+            }
+        }
+    }
+
+    #[test]
+    fn lines_are_found_wherever_the_pieces_break() {
+        let line = |text: &str| Next::Line(text.as_bytes().to_vec());
+        for (pieces, wanted) in [
+            (vec!["a\nb\n"], vec![line("a"), line("b"), Next::End]),
+            (vec!["a", "b\r", "\nc\n"], vec![line("ab"), line("c"), Next::End]),
+            (vec!["\n \r\n\n", "x\n"], vec![line("x"), Next::End]),
+            (vec!["a\nhalf"], vec![line("a"), Next::End]),
+            (vec![], vec![Next::End]),
+        ] {
+            assert_eq!(all(lines(&pieces, 100)), wanted, "{pieces:?}");
+        }
+    }
+
+    #[test]
+    fn a_line_may_be_as_long_as_the_limit_and_no_longer() {
+        let of = |length: usize| format!("{}\n", "x".repeat(length));
+        assert!(matches!(&all(lines(&[&of(10)], 10))[0], Next::Line(line) if line.len() == 10));
+        assert_eq!(all(lines(&[&of(11)], 10)), [Next::TooLong]);
+        let endless = "x".repeat(1 << 20);
+        let mut reader = lines(&[&endless], 10);
+        assert_eq!(reader.next_line(&|| Wait::GoOn, &|_| {}), Next::TooLong);
+        assert!(reader.buffer.len() <= 11, "no more than the limit is ever kept");
+    }
+
+    #[test]
+    fn raw_bytes_stand_between_lines() {
+        let mut reader = lines(&["head\n\n\0ra", "w!tail\n"], 100);
+        assert_eq!(reader.next_line(&|| Wait::GoOn, &|_| {}), Next::Line(b"head".to_vec()));
+        assert_eq!(reader.next_bytes(6, &|| Wait::GoOn, &|_| {}), Some(b"\n\0raw!".to_vec()));
+        assert_eq!(reader.next_line(&|| Wait::GoOn, &|_| {}), Next::Line(b"tail".to_vec()));
+        assert_eq!(reader.next_bytes(1, &|| Wait::GoOn, &|_| {}), None);
+    }
+}

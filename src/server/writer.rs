@@ -1,0 +1,133 @@
+//! The writing half of a connection: replies in the order of their requests.
+
+use super::Shared;
+use crate::protocol::{ErrorObject, Fault, Id, error_line};
+use crate::service::{Outgoing, Pending};
+use std::collections::VecDeque;
+use std::io::Write;
+use std::net::{Shutdown, TcpStream};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Replies that are on their way, in order; bounded, and shared by the two threads of a connection.
+pub(super) struct Queue {
+    state: Mutex<State>,
+    changed: Condvar,
+    most: usize,
+}
+
+struct State {
+    pending: VecDeque<Pending>,
+    /// Those in `pending`, and the one being waited for or written.
+    in_flight: usize,
+    /// No more requests come.
+    is_closed: bool,
+    /// Replies can no longer be written.
+    is_broken: bool,
+}
+
+impl Queue {
+    pub fn new(most: usize) -> Self {
+        let state = State { pending: VecDeque::new(), in_flight: 0, is_closed: false, is_broken: false };
+        Self { state: Mutex::new(state), changed: Condvar::new(), most }
+    }
+
+    /// Blocks while as many requests are in flight as may be; `false` where replies can no longer be written.
+    pub fn wait_for_room(&self) -> bool {
+        let full = |state: &mut State| state.in_flight >= self.most && !state.is_broken;
+        let state = self.changed.wait_while(self.lock(), full);
+        !state.unwrap_or_else(PoisonError::into_inner).is_broken
+    }
+
+    pub fn push(&self, pending: Pending) {
+        let mut state = self.lock();
+        state.in_flight += 1;
+        state.pending.push_back(pending);
+        self.changed.notify_all();
+    }
+
+    pub fn close(&self) {
+        self.lock().is_closed = true;
+        self.changed.notify_all();
+    }
+
+    pub fn is_broken(&self) -> bool {
+        self.lock().is_broken
+    }
+
+    /// The next reply to wait for; `None` after the last.
+    fn next(&self) -> Option<Pending> {
+        let idle = |state: &mut State| state.pending.is_empty() && !state.is_closed;
+        let state = self.changed.wait_while(self.lock(), idle);
+        state.unwrap_or_else(PoisonError::into_inner).pending.pop_front()
+    }
+
+    fn written(&self) {
+        self.lock().in_flight -= 1;
+        self.changed.notify_all();
+    }
+
+    /// Gives up on everything in flight.
+    fn break_off(&self) {
+        let mut state = self.lock();
+        state.is_broken = true;
+        let abandoned = std::mem::take(&mut state.pending);
+        drop(state);
+        self.changed.notify_all();
+        drop(abandoned);
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        // Nothing that holds this lock can leave the state half-written.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// How often a wait for a reply looks whether the grace time is over.
+const TICK: Duration = Duration::from_millis(100);
+
+/// Writes replies until there are no more, or the client takes no more.
+pub(super) fn run(shared: &Shared, stream: &TcpStream, queue: &Queue) {
+    while let Some(pending) = queue.next() {
+        let reply = wait(shared, &pending);
+        if write(shared, stream, &reply).is_err() {
+            // Wakes the reading half as well.
+            let _ = stream.shutdown(Shutdown::Both);
+            return queue.break_off();
+        }
+        // Room for the reply is given back before the place of its request.
+        drop(reply);
+        queue.written();
+    }
+}
+
+fn wait(shared: &Shared, pending: &Pending) -> Outgoing {
+    loop {
+        if let Some(reply) = pending.wait_for(TICK) {
+            return reply;
+        }
+        if shared.grace_end().is_some_and(|end| Instant::now() >= end) {
+            pending.shut_down();
+        }
+    }
+}
+
+fn write(shared: &Shared, mut stream: &TcpStream, reply: &Outgoing) -> std::io::Result<()> {
+    stream.write_all(&reply.line)?;
+    for part in &reply.attachments {
+        stream.write_all(part)?;
+    }
+    let attached: usize = reply.attachments.iter().map(Vec::len).sum();
+    shared.service.stats().wrote_bytes(reply.line.len() + attached);
+    Ok(())
+}
+
+/// Tells a connection that there are too many, and closes it.
+pub(super) fn turn_away(mut stream: &TcpStream, maximum: u64, asked: u64) {
+    let fault = Fault::LimitExceeded { limit: "connections".to_owned(), maximum, asked };
+    let line = error_line(&Id::Null, &ErrorObject::from(fault));
+    // A peer that does not take one line in this time does without it: the listener has others to see to.
+    let _ = stream.set_write_timeout(Some(TICK));
+    let _ = stream.write_all(&line);
+    let _ = stream.shutdown(Shutdown::Write);
+}

@@ -1,0 +1,109 @@
+//! From rigs and values of ours to their descriptions on the wire, for several families of methods.
+
+use crate::engine::{LoadedRig, RigRef};
+use crate::pose::Clamped;
+use crate::protocol::pose as wire_pose;
+use crate::protocol::rig as wire;
+use crate::rig::{Axis, Dof, DofKind, Joint, Limit, Rig, RotationOrder};
+use crate::scene::Bounds;
+
+pub(super) fn summary(loaded: &LoadedRig) -> wire::RigSummary {
+    let rig = &loaded.rig;
+    wire::RigSummary {
+        name: loaded.name.clone(),
+        digest: loaded.digest.clone(),
+        dialects: loaded.dialects.iter().map(|&dialect| dialect.to_owned()).collect(),
+        joint_count: rig.skeleton().joints().len() as u64,
+        dof_count: rig.dofs().all().len() as u64,
+        vertex_count: rig.vertex_count() as u64,
+        triangle_count: rig.triangle_count() as u64,
+        morph_count: 0,
+        clip_count: 0,
+        warnings: rig.warnings().to_vec(),
+    }
+}
+
+pub(super) fn description(found: &RigRef) -> wire::RigDescription {
+    let rig = &*found.loaded.rig;
+    let joints = rig.skeleton().joints();
+    let values = found.stored.dof_values();
+    wire::RigDescription {
+        summary: summary(&found.loaded),
+        joints: joints.iter().map(|described| joint(described, joints)).collect(),
+        dofs: rig.dofs().all().iter().zip(values).map(|(described, value)| dof(described, joints, value)).collect(),
+        meshes: rig
+            .meshes()
+            .iter()
+            .map(|mesh| wire::MeshDescription {
+                name: mesh.name().to_owned(),
+                vertex_count: mesh.vertex_count() as u64,
+                triangle_count: mesh.triangles().len() as u64,
+                material: material_name(rig, mesh.material()),
+                has_texcoords: mesh.texcoords().is_some(),
+            })
+            .collect(),
+        materials: rig
+            .materials()
+            .iter()
+            .map(|material| wire::MaterialDescription {
+                name: material.name.clone(),
+                texture: material.texture.as_ref().map(|texture| texture.file.clone()),
+            })
+            .collect(),
+        morphs: Vec::new(),
+        clips: Vec::new(),
+        bounds: bounds(&found.loaded.rest_bounds),
+    }
+}
+
+pub(super) fn material_name(rig: &Rig, material: Option<usize>) -> Option<String> {
+    material.map(|index| rig.materials()[index].name.clone())
+}
+
+pub(super) fn bounds(bounds: &Bounds) -> wire::Bounds {
+    wire::Bounds { min: bounds.min.to_array(), max: bounds.max.to_array() }
+}
+
+pub(super) fn clamped(rig: &Rig, clamped: &[Clamped]) -> Vec<wire_pose::Clamped> {
+    clamped
+        .iter()
+        .map(|&Clamped { dof, asked, used }| wire_pose::Clamped {
+            dof: rig.dofs().all()[dof].name.clone(),
+            asked,
+            used,
+        })
+        .collect()
+}
+
+pub(super) fn parent_name(joint: &Joint, joints: &[Joint]) -> Option<String> {
+    joint.parent.map(|parent| joints[parent].name.clone())
+}
+
+fn joint(joint: &Joint, joints: &[Joint]) -> wire::JointDescription {
+    wire::JointDescription {
+        name: joint.name.clone(),
+        parent: parent_name(joint, joints),
+        offset: joint.offset.to_array(),
+        rotation_order: match joint.rotation_order {
+            RotationOrder::Zyx => wire::RotationOrder::Zyx,
+            RotationOrder::Xyz => wire::RotationOrder::Xyz,
+        },
+        bounding_box: joint.bounding_box.map(|[min, max]| bounds(&Bounds { min, max })),
+    }
+}
+
+fn dof(dof: &Dof, joints: &[Joint], value: f64) -> wire::DofDescription {
+    let Limit { min, max } = dof.limit;
+    wire::DofDescription {
+        name: dof.name.clone(),
+        kind: match dof.kind {
+            DofKind::Translation(Axis::X | Axis::Y | Axis::Z) => wire::DofKind::Translation,
+            DofKind::Rotation(Axis::X | Axis::Y | Axis::Z) => wire::DofKind::Rotation,
+        },
+        joint: Some(joints[dof.joint].name.clone()),
+        min: Some(min).filter(|min| min.is_finite()),
+        max: Some(max).filter(|max| max.is_finite()),
+        rest: dof.rest,
+        value,
+    }
+}

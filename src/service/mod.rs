@@ -1,0 +1,235 @@
+//! JSON line in, JSON line out. [`Service::converse`] gives a connection its [`Conversation`], which takes one message at a time.
+//! Never lives here: sockets, and how a rig is loaded, posed or drawn.
+//!
+//! Each family of methods has its file: from wire types to plain ones, one call to the engine, and back.
+
+mod answer;
+mod describe;
+mod fault;
+mod frame;
+mod mesh;
+mod pose;
+mod rig;
+mod server;
+mod stats;
+
+pub use answer::{Outgoing, Pending};
+pub use stats::Stats;
+
+use crate::engine::{Engine, Urgency};
+use crate::formats::Source;
+use crate::limits::Limits;
+use crate::protocol::{self, BadRequest, Fault, Id, Method, Request};
+use answer::Answer;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Everything that the daemon can be asked. Shared by every connection.
+pub struct Service {
+    engine: Engine,
+    source: Source,
+    stats: Arc<Stats>,
+    started: Instant,
+}
+
+impl Service {
+    /// Paths in requests are opened by way of `source`.
+    pub fn new(engine: Engine, source: Source) -> Arc<Self> {
+        Arc::new(Self { engine, source, stats: Arc::default(), started: Instant::now() })
+    }
+
+    pub fn engine(&self) -> &Engine {
+        &self.engine
+    }
+
+    pub fn limits(&self) -> &Limits {
+        self.engine.limits()
+    }
+
+    pub fn stats(&self) -> &Stats {
+        &self.stats
+    }
+
+    /// What one connection says to the service.
+    pub fn converse(self: &Arc<Self>) -> Conversation {
+        Conversation { service: Arc::clone(self), in_hand: VecDeque::new() }
+    }
+
+    /// Answers one line and waits for it; `attached` is what followed it. `None` for a notification.
+    pub fn answer(self: &Arc<Self>, line: &[u8], attached: Vec<u8>) -> Option<Outgoing> {
+        let message = Message::read(line, Instant::now());
+        self.converse().begin(message, attached).map(|pending| pending.wait())
+    }
+}
+
+/// One line, read but not yet acted upon: the raw bytes that belong to it are still to come.
+pub struct Message {
+    request: Result<Request, BadRequest>,
+    arrived: Instant,
+}
+
+impl Message {
+    pub fn read(line: &[u8], arrived: Instant) -> Self {
+        Self { request: Request::parse(line), arrived }
+    }
+
+    /// A line that cannot even be read.
+    pub fn unreadable(fault: Fault) -> Self {
+        let bad = BadRequest { id: Id::Null, attach_bytes: None, fault };
+        Self { request: Err(bad), arrived: Instant::now() }
+    }
+
+    /// How many raw bytes follow the line; `None` where nobody can tell, and so the connection has to end.
+    pub fn attach_bytes(&self) -> Option<u64> {
+        match &self.request {
+            Ok(request) => Some(request.attach_bytes),
+            Err(bad) => bad.attach_bytes,
+        }
+    }
+
+    /// The same message, to be answered with a fault that was found before its raw bytes were read.
+    pub fn refused(self, fault: Fault) -> Self {
+        let id = match self.request {
+            Ok(Request { id: Some(id), .. }) | Err(BadRequest { id, .. }) => id,
+            Ok(Request { id: None, .. }) => Id::Null,
+        };
+        let bad = BadRequest { id, attach_bytes: None, fault };
+        Self { request: Err(bad), arrived: self.arrived }
+    }
+}
+
+/// The service's side of one connection.
+pub struct Conversation {
+    service: Arc<Service>,
+    /// Requests that may still be cancelled, the oldest first.
+    in_hand: VecDeque<(Id, answer::Handle)>,
+}
+
+/// One request on its way through its handler.
+struct Call<'a> {
+    service: &'a Service,
+    request: &'a Request,
+    attached: &'a [u8],
+    urgency: Urgency,
+}
+
+impl Conversation {
+    /// Acts on a message. What changes rigs or poses has happened when this returns; drawing and copying go on behind the
+    /// [`Pending`] reply. `None` for a notification.
+    pub fn begin(&mut self, message: Message, attached: Vec<u8>) -> Option<Pending> {
+        let Message { request, arrived } = message;
+        let stats = &self.service.stats;
+        let request = match request {
+            Ok(request) => request,
+            Err(BadRequest { id, fault, .. }) => {
+                let (answer, pending) = Answer::new(id, None, Urgency::default(), stats);
+                answer.fail(fault);
+                return Some(pending);
+            }
+        };
+        let after = |ms| arrived.checked_add(Duration::from_millis(ms));
+        let urgency = Urgency { deadline: request.deadline_ms.and_then(after), ..Urgency::default() };
+        let method = Method::named(&request.method);
+        let named = method.as_ref().ok().copied();
+        let (answer, pending) = match &request.id {
+            Some(id) => {
+                let (answer, pending) = Answer::new(id.clone(), named, urgency.clone(), stats);
+                self.in_hand.retain(|(_, handle)| handle.is_open());
+                self.in_hand.push_back((id.clone(), pending.handle()));
+                (answer, Some(pending))
+            }
+            None => (Answer::unheard(named, stats), None),
+        };
+        match method {
+            Err(fault) => answer.fail(fault),
+            Ok(Method::RequestCancel) => {
+                let cancelled = protocol::params(request.params.as_deref());
+                answer.give(cancelled.map(|wanted| self.cancel(&wanted)));
+            }
+            // Nobody hears what a notification comes to, so one that only asks is not worth working on.
+            Ok(method) if request.id.is_none() && !changes_something(method) => {}
+            Ok(method) => {
+                let call = Call { service: &self.service, request: &request, attached: &attached, urgency };
+                // A panic drops the answer, which tells the client; a store is only ever changed as a whole.
+                let caught = catch_unwind(AssertUnwindSafe(|| call.handle(method, answer)));
+                drop(caught);
+            }
+        }
+        pending
+    }
+
+    /// Ends every request of that id that is still in hand.
+    fn cancel(&self, wanted: &protocol::server::Cancel) -> protocol::Done {
+        for (_, handle) in self.in_hand.iter().filter(|(id, _)| *id == wanted.request) {
+            handle.end(Fault::Cancelled);
+        }
+        protocol::Done {}
+    }
+}
+
+fn changes_something(method: Method) -> bool {
+    match method {
+        Method::RigLoad | Method::RigUnload | Method::PoseSet | Method::PoseReset => true,
+        Method::RpcDiscover
+        | Method::ServerInfo
+        | Method::ServerPing
+        | Method::ServerStats
+        | Method::RigList
+        | Method::RigDescribe
+        | Method::PoseGet
+        | Method::FrameRender
+        | Method::MeshVertices
+        | Method::MeshTopology
+        | Method::JointTransforms
+        | Method::RequestCancel => false,
+    }
+}
+
+impl Call<'_> {
+    fn handle(&self, method: Method, answer: Answer) {
+        if let Err(late) = self.urgency.check() {
+            return answer.fail(late.into());
+        }
+        match method {
+            Method::RpcDiscover => self.reply(answer, |_: protocol::NoParams| Ok(protocol::openrpc())),
+            Method::ServerInfo => self.reply(answer, |_: protocol::NoParams| Ok(self.info())),
+            Method::ServerPing => self.reply(answer, |_: protocol::NoParams| Ok(protocol::Done {})),
+            Method::ServerStats => self.reply(answer, |_: protocol::NoParams| Ok(self.stats())),
+            Method::RigLoad => self.reply(answer, |params| self.load(params)),
+            Method::RigUnload => self.reply(answer, |params| self.unload(&params)),
+            Method::RigList => self.reply(answer, |_: protocol::NoParams| Ok(self.list())),
+            Method::RigDescribe => self.reply(answer, |params| self.describe(&params)),
+            Method::PoseGet => self.reply(answer, |params| self.get_pose(&params)),
+            Method::PoseSet => self.reply(answer, |params| self.set_pose(&params)),
+            Method::PoseReset => self.reply(answer, |params| self.reset_pose(&params)),
+            Method::JointTransforms => self.reply(answer, |params| self.joint_transforms(&params)),
+            Method::FrameRender => self.hand_over(answer, Self::render),
+            Method::MeshVertices => self.hand_over(answer, Self::vertices),
+            Method::MeshTopology => self.hand_over(answer, Self::topology),
+            // Needs the conversation, which has dealt with it.
+            Method::RequestCancel => {}
+        }
+    }
+
+    /// For a method that is done when it returns.
+    fn reply<P: DeserializeOwned, R: Serialize>(&self, answer: Answer, work: impl FnOnce(P) -> Result<R, Fault>) {
+        answer.give(protocol::params(self.request.params.as_deref()).and_then(work));
+    }
+
+    /// For a method whose answer goes its own way, unless it fails at once.
+    fn hand_over<P: DeserializeOwned>(&self, answer: Answer, work: impl FnOnce(&Self, P, &mut Option<Answer>) -> Result<(), Fault>) {
+        let mut answer = Some(answer);
+        let begun = protocol::params(self.request.params.as_deref()).and_then(|params| work(self, params, &mut answer));
+        if let (Err(fault), Some(answer)) = (begun, answer) {
+            answer.fail(fault);
+        }
+    }
+
+    fn engine(&self) -> &Engine {
+        &self.service.engine
+    }
+}
