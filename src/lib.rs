@@ -1,5 +1,7 @@
 //! rigd
 #![forbid(unsafe_code)]
+pub mod cli;
+pub mod client;
 pub mod encode;
 pub mod engine;
 pub mod formats;

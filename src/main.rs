@@ -1,1 +1,13 @@
-fn main() {}
+//! The `rigd` binary: see [`rigd::cli`].
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    match rigd::cli::run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("rigd: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -5,6 +5,7 @@ mod error;
 mod store;
 mod worker;
 
+pub use crate::render::gpu::adapters;
 pub use admission::{Admission, HeldBytes, Ticket};
 pub use error::EngineError;
 pub use store::{LoadedRig, RigRef};
@@ -50,7 +51,11 @@ impl RigRef {
     ///
     /// # Errors
     /// As the pose has them.
-    pub fn posed(&self, base: Base, edit: &PoseEdit) -> Result<(Arc<Posed>, Vec<Clamped>), EngineError> {
+    pub fn posed(
+        &self,
+        base: Base,
+        edit: &PoseEdit,
+    ) -> Result<(Arc<Posed>, Vec<Clamped>), EngineError> {
         let (pose, clamped) = self.start(base).edited(edit)?;
         Ok((Arc::new(Posed::new(&pose)?), clamped))
     }
@@ -168,7 +173,8 @@ impl Engine {
     /// # Errors
     /// [`EngineError::RigNotLoaded`].
     pub fn reset_pose(&self, rig: &str) -> Result<(), EngineError> {
-        self.store.update_pose(rig, |current| Ok((current.start(Base::Rest), Vec::new())))?;
+        self.store
+            .update_pose(rig, |current| Ok((current.start(Base::Rest), Vec::new())))?;
         Ok(())
     }
 

@@ -23,6 +23,48 @@ pub struct LoadedRig {
     pub rest_bounds: Bounds,
 }
 
+impl LoadedRig {
+    /// A rig that nobody keeps yet, under `name` or its first file's stem.
+    ///
+    /// # Errors
+    /// Where even the rest pose is out of range.
+    pub fn new(loaded: Loaded, name: Option<&str>) -> Result<Self, EngineError> {
+        let Loaded {
+            rig,
+            name: stem,
+            digest,
+            dialects,
+        } = loaded;
+        let name = name.map_or(stem, str::to_owned);
+        let rig = Arc::new(rig);
+        let rest_bounds = bounds_of(&Posed::new(&Pose::rest(&rig))?);
+        Ok(Self {
+            name,
+            digest,
+            dialects,
+            rig,
+            rest_bounds,
+        })
+    }
+
+    /// What was odd in the files, a sentence each.
+    pub fn warnings(&self) -> &[String] {
+        self.rig.warnings()
+    }
+}
+
+impl RigRef {
+    /// A rig that nobody keeps, at rest.
+    pub fn at_rest(loaded: LoadedRig) -> Self {
+        let stored = Pose::rest(&loaded.rig);
+        Self {
+            loaded: Arc::new(loaded),
+            stored,
+            by_digest: false,
+        }
+    }
+}
+
 /// A rig as a request named it, with the pose that was stored at that moment.
 #[derive(Debug, Clone)]
 pub struct RigRef {
@@ -56,28 +98,13 @@ impl Store {
         loaded: Loaded,
         replace: bool,
     ) -> Result<Arc<LoadedRig>, EngineError> {
-        let Loaded {
-            rig,
-            name: stem,
-            digest,
-            dialects,
-        } = loaded;
-        let name = name.unwrap_or(&stem).to_owned();
-        if let Some(same) = self.same_as(&name, &digest) {
+        let named = name.unwrap_or(&loaded.name);
+        if let Some(same) = self.same_as(named, &loaded.digest) {
             return Ok(same);
         }
-        let rig = Arc::new(rig);
-        let stored = Pose::rest(&rig);
-        let rest_bounds = bounds_of(&Posed::new(&stored)?);
-        let bytes = rig.memory_bytes();
-        let loaded = Arc::new(LoadedRig {
-            name: name.clone(),
-            digest,
-            dialects,
-            rig,
-            rest_bounds,
-        });
-
+        let loaded = Arc::new(LoadedRig::new(loaded, name)?);
+        let (name, stored) = (loaded.name.clone(), Pose::rest(&loaded.rig));
+        let bytes = loaded.rig.memory_bytes();
         let mut entries = self.lock();
         // Asked again under the lock: two connections may have been loading the same name.
         match entries.get(&name) {
@@ -146,7 +173,13 @@ impl Store {
         let (name, current) = find(&entries, rig)?;
         let (stored, clamped) = update(&current)?;
         let loaded = current.loaded;
-        entries.insert(name, Entry { loaded: Arc::clone(&loaded), stored });
+        entries.insert(
+            name,
+            Entry {
+                loaded: Arc::clone(&loaded),
+                stored,
+            },
+        );
         Ok((loaded, clamped))
     }
 
@@ -162,9 +195,18 @@ fn find(entries: &BTreeMap<String, Entry>, rig: &str) -> Result<(String, RigRef)
     let by_digest = || entries.iter().find(|(_, entry)| entry.loaded.digest == rig);
     let (name, entry) = by_name
         .or_else(by_digest)
-        .ok_or_else(|| EngineError::RigNotLoaded { rig: rig.to_owned() })?;
+        .ok_or_else(|| EngineError::RigNotLoaded {
+            rig: rig.to_owned(),
+        })?;
     let (loaded, stored) = (Arc::clone(&entry.loaded), entry.stored.clone());
-    Ok((name.clone(), RigRef { loaded, stored, by_digest: name != rig }))
+    Ok((
+        name.clone(),
+        RigRef {
+            loaded,
+            stored,
+            by_digest: name != rig,
+        },
+    ))
 }
 
 /// Of skinned vertices and joints. A rig without either is a point at the origin.

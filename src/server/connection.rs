@@ -75,8 +75,17 @@ fn read(shared: &Shared, stream: &TcpStream, queue: &Queue) {
             Next::End => return,
             Next::TooLong => {
                 let (limit, maximum) = ("line_bytes".to_owned(), limits.line_bytes);
-                let fault = Fault::LimitExceeded { limit, maximum, asked: maximum + 1 };
-                answer(&mut conversation, queue, Message::unreadable(fault), Vec::new());
+                let fault = Fault::LimitExceeded {
+                    limit,
+                    maximum,
+                    asked: maximum + 1,
+                };
+                answer(
+                    &mut conversation,
+                    queue,
+                    Message::unreadable(fault),
+                    Vec::new(),
+                );
                 return;
             }
             Next::Line(line) if is_first && is_http(&line) => return,
@@ -87,7 +96,11 @@ fn read(shared: &Shared, stream: &TcpStream, queue: &Queue) {
             Some(0) => Vec::new(),
             Some(asked) if asked > limits.attachment_bytes => {
                 let (limit, maximum) = ("attachment_bytes".to_owned(), limits.attachment_bytes);
-                let refused = message.refused(Fault::LimitExceeded { limit, maximum, asked });
+                let refused = message.refused(Fault::LimitExceeded {
+                    limit,
+                    maximum,
+                    asked,
+                });
                 return answer(&mut conversation, queue, refused, Vec::new());
             }
             Some(count) => match lines.next_bytes(count as usize, &wait, &on_bytes) {
@@ -108,7 +121,9 @@ fn answer(conversation: &mut Conversation, queue: &Queue, message: Message, atta
 
 /// A browser that was talked into sending a request here gets nothing to work with.
 fn is_http(line: &[u8]) -> bool {
-    let methods = ["GET", "POST", "PUT", "HEAD", "OPTIONS", "DELETE", "PATCH", "CONNECT", "TRACE", "PRI"];
+    let methods = [
+        "GET", "POST", "PUT", "HEAD", "OPTIONS", "DELETE", "PATCH", "CONNECT", "TRACE", "PRI",
+    ];
     let first_word = line.split(|&byte| byte == b' ').next().unwrap_or_default();
     first_word.len() < line.len() && methods.iter().any(|method| method.as_bytes() == first_word)
 }
@@ -116,7 +131,9 @@ fn is_http(line: &[u8]) -> bool {
 /// Closes gently: what the client still sends is thrown away for a while.
 fn linger(stream: &TcpStream) {
     let until = Instant::now() + LINGER;
-    if stream.shutdown(Shutdown::Write).is_err() || stream.set_read_timeout(Some(LAST_TICK)).is_err() {
+    if stream.shutdown(Shutdown::Write).is_err()
+        || stream.set_read_timeout(Some(LAST_TICK)).is_err()
+    {
         return;
     }
     let mut trash = [0; 4096];
@@ -140,7 +157,13 @@ mod tests {
         for line in ["GET / HTTP/1.1", "POST /x HTTP/1.0", "PRI * HTTP/2.0"] {
             assert!(is_http(line.as_bytes()), "{line}");
         }
-        for line in ["{\"jsonrpc\":\"2.0\"}", "GETTING", "GET", " GET /", "get / HTTP/1.1"] {
+        for line in [
+            "{\"jsonrpc\":\"2.0\"}",
+            "GETTING",
+            "GET",
+            " GET /",
+            "get / HTTP/1.1",
+        ] {
             assert!(!is_http(line.as_bytes()), "{line}");
         }
     }

@@ -37,13 +37,22 @@ const CHUNK: usize = 64 << 10;
 impl<R: Read> Lines<R> {
     /// The stream's reads are to time out, so that `wait` is asked now and then.
     pub fn new(stream: R, line_limit: usize, stalled: Duration) -> Self {
-        Self { stream, buffer: Vec::new(), searched: 0, line_limit, stalled }
+        Self {
+            stream,
+            buffer: Vec::new(),
+            searched: 0,
+            line_limit,
+            stalled,
+        }
     }
 
     /// `on_bytes` hears of each read's length.
     pub fn next_line(&mut self, wait: &impl Fn() -> Wait, on_bytes: &impl Fn(usize)) -> Next {
         loop {
-            if let Some(at) = self.buffer[self.searched..].iter().position(|&byte| byte == b'\n') {
+            if let Some(at) = self.buffer[self.searched..]
+                .iter()
+                .position(|&byte| byte == b'\n')
+            {
                 let end = self.searched + at;
                 if end > self.line_limit {
                     return Next::TooLong;
@@ -70,7 +79,12 @@ impl<R: Read> Lines<R> {
     }
 
     /// The next `count` bytes as they are; `None` where they do not all come.
-    pub fn next_bytes(&mut self, count: usize, wait: &impl Fn() -> Wait, on_bytes: &impl Fn(usize)) -> Option<Vec<u8>> {
+    pub fn next_bytes(
+        &mut self,
+        count: usize,
+        wait: &impl Fn() -> Wait,
+        on_bytes: &impl Fn(usize),
+    ) -> Option<Vec<u8>> {
         while self.buffer.len() < count {
             let room = count - self.buffer.len();
             if !self.fill(room, wait, on_bytes) {
@@ -99,7 +113,9 @@ impl<R: Read> Lines<R> {
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) if is_timeout(&error) => {
                     let is_mid_message = old > 0;
-                    if matches!(wait(), Wait::Stop) || (is_mid_message && started.elapsed() >= self.stalled) {
+                    if matches!(wait(), Wait::Stop)
+                        || (is_mid_message && started.elapsed() >= self.stalled)
+                    {
                         break 0;
                     }
                 }
@@ -125,7 +141,9 @@ mod tests {
 
     impl Read for Pieces {
         fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-            let Some(mut piece) = self.0.pop_front() else { return Ok(0) };
+            let Some(mut piece) = self.0.pop_front() else {
+                return Ok(0);
+            };
             let count = piece.len().min(buffer.len());
             buffer[..count].copy_from_slice(&piece[..count]);
             if count < piece.len() {
@@ -136,7 +154,10 @@ mod tests {
     }
 
     fn lines(pieces: &[&str], limit: usize) -> Lines<Pieces> {
-        let pieces = pieces.iter().map(|piece| piece.as_bytes().to_vec()).collect();
+        let pieces = pieces
+            .iter()
+            .map(|piece| piece.as_bytes().to_vec())
+            .collect();
         Lines::new(Pieces(pieces), limit, Duration::from_secs(1))
     }
 
@@ -157,7 +178,10 @@ mod tests {
         let line = |text: &str| Next::Line(text.as_bytes().to_vec());
         for (pieces, wanted) in [
             (vec!["a\nb\n"], vec![line("a"), line("b"), Next::End]),
-            (vec!["a", "b\r", "\nc\n"], vec![line("ab"), line("c"), Next::End]),
+            (
+                vec!["a", "b\r", "\nc\n"],
+                vec![line("ab"), line("c"), Next::End],
+            ),
             (vec!["\n \r\n\n", "x\n"], vec![line("x"), Next::End]),
             (vec!["a\nhalf"], vec![line("a"), Next::End]),
             (vec![], vec![Next::End]),
@@ -174,15 +198,27 @@ mod tests {
         let endless = "x".repeat(1 << 20);
         let mut reader = lines(&[&endless], 10);
         assert_eq!(reader.next_line(&|| Wait::GoOn, &|_| {}), Next::TooLong);
-        assert!(reader.buffer.len() <= 11, "no more than the limit is ever kept");
+        assert!(
+            reader.buffer.len() <= 11,
+            "no more than the limit is ever kept"
+        );
     }
 
     #[test]
     fn raw_bytes_stand_between_lines() {
         let mut reader = lines(&["head\n\n\0ra", "w!tail\n"], 100);
-        assert_eq!(reader.next_line(&|| Wait::GoOn, &|_| {}), Next::Line(b"head".to_vec()));
-        assert_eq!(reader.next_bytes(6, &|| Wait::GoOn, &|_| {}), Some(b"\n\0raw!".to_vec()));
-        assert_eq!(reader.next_line(&|| Wait::GoOn, &|_| {}), Next::Line(b"tail".to_vec()));
+        assert_eq!(
+            reader.next_line(&|| Wait::GoOn, &|_| {}),
+            Next::Line(b"head".to_vec())
+        );
+        assert_eq!(
+            reader.next_bytes(6, &|| Wait::GoOn, &|_| {}),
+            Some(b"\n\0raw!".to_vec())
+        );
+        assert_eq!(
+            reader.next_line(&|| Wait::GoOn, &|_| {}),
+            Next::Line(b"tail".to_vec())
+        );
         assert_eq!(reader.next_bytes(1, &|| Wait::GoOn, &|_| {}), None);
     }
 }

@@ -24,7 +24,10 @@ pub struct Patience {
 
 impl Default for Patience {
     fn default() -> Self {
-        Self { grace: Duration::from_secs(10), stalled: Duration::from_secs(60) }
+        Self {
+            grace: Duration::from_secs(10),
+            stalled: Duration::from_secs(60),
+        }
     }
 }
 
@@ -62,7 +65,10 @@ impl Server {
             stop_asked: Mutex::new(None),
             connections: AtomicU64::new(0),
         };
-        Ok(Self { listener, shared: Arc::new(shared) })
+        Ok(Self {
+            listener,
+            shared: Arc::new(shared),
+        })
     }
 
     /// Where it listens, with the port that the system chose for port 0.
@@ -76,7 +82,10 @@ impl Server {
     /// # Errors
     /// As [`Server::address`].
     pub fn stopper(&self) -> io::Result<Stopper> {
-        Ok(Stopper { shared: Arc::clone(&self.shared), address: self.address()? })
+        Ok(Stopper {
+            shared: Arc::clone(&self.shared),
+            address: self.address()?,
+        })
     }
 
     /// Serves until a [`Stopper`] asks it to stop, and every request that had arrived by then has been answered.
@@ -110,19 +119,31 @@ fn pause_after(error: &io::Error) -> io::Result<()> {
     const EMFILE: i32 = 24;
     const ENFILE: i32 = 23;
     match (error.kind(), error.raw_os_error()) {
-        (io::ErrorKind::ConnectionAborted | io::ErrorKind::ConnectionReset | io::ErrorKind::Interrupted, _) => Ok(()),
+        (
+            io::ErrorKind::ConnectionAborted
+            | io::ErrorKind::ConnectionReset
+            | io::ErrorKind::Interrupted,
+            _,
+        ) => Ok(()),
         (_, Some(EMFILE | ENFILE)) => {
             std::thread::sleep(Duration::from_millis(50));
             Ok(())
         }
-        _ => Err(io::Error::new(error.kind(), format!("cannot accept connections: {error}"))),
+        _ => Err(io::Error::new(
+            error.kind(),
+            format!("cannot accept connections: {error}"),
+        )),
     }
 }
 
 impl Stopper {
     /// Returns at once; [`Server::run`] returns when everything in hand is answered.
     pub fn stop(&self) {
-        let mut asked = self.shared.stop_asked.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut asked = self
+            .shared
+            .stop_asked
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
         asked.get_or_insert_with(Instant::now);
         drop(asked);
         self.shared.stopping.store(true, Ordering::SeqCst);
@@ -145,7 +166,10 @@ impl Shared {
 
     /// When requests in hand are no longer waited for; `None` while nobody asked for a stop.
     fn grace_end(&self) -> Option<Instant> {
-        let asked = *self.stop_asked.lock().unwrap_or_else(PoisonError::into_inner);
+        let asked = *self
+            .stop_asked
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
         asked.map(|asked| asked + self.patience.grace)
     }
 
@@ -159,7 +183,10 @@ impl Shared {
         }
         let shared = Arc::clone(self);
         let work = move || connection::run(&shared, &stream, place);
-        std::thread::Builder::new().name("connection".to_owned()).spawn(work).ok()
+        std::thread::Builder::new()
+            .name("connection".to_owned())
+            .spawn(work)
+            .ok()
     }
 }
 
@@ -174,7 +201,10 @@ impl Place {
     fn take(shared: &Arc<Shared>) -> Self {
         let number = shared.connections.fetch_add(1, Ordering::SeqCst) + 1;
         shared.service.stats().opened_connection();
-        Self { shared: Arc::clone(shared), number }
+        Self {
+            shared: Arc::clone(shared),
+            number,
+        }
     }
 }
 

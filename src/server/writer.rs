@@ -28,8 +28,17 @@ struct State {
 
 impl Queue {
     pub fn new(most: usize) -> Self {
-        let state = State { pending: VecDeque::new(), in_flight: 0, is_closed: false, is_broken: false };
-        Self { state: Mutex::new(state), changed: Condvar::new(), most }
+        let state = State {
+            pending: VecDeque::new(),
+            in_flight: 0,
+            is_closed: false,
+            is_broken: false,
+        };
+        Self {
+            state: Mutex::new(state),
+            changed: Condvar::new(),
+            most,
+        }
     }
 
     /// Blocks while as many requests are in flight as may be; `false` where replies can no longer be written.
@@ -59,7 +68,10 @@ impl Queue {
     fn next(&self) -> Option<Pending> {
         let idle = |state: &mut State| state.pending.is_empty() && !state.is_closed;
         let state = self.changed.wait_while(self.lock(), idle);
-        state.unwrap_or_else(PoisonError::into_inner).pending.pop_front()
+        state
+            .unwrap_or_else(PoisonError::into_inner)
+            .pending
+            .pop_front()
     }
 
     fn written(&self) {
@@ -118,13 +130,20 @@ fn write(shared: &Shared, mut stream: &TcpStream, reply: &Outgoing) -> std::io::
         stream.write_all(part)?;
     }
     let attached: usize = reply.attachments.iter().map(Vec::len).sum();
-    shared.service.stats().wrote_bytes(reply.line.len() + attached);
+    shared
+        .service
+        .stats()
+        .wrote_bytes(reply.line.len() + attached);
     Ok(())
 }
 
 /// Tells a connection that there are too many, and closes it.
 pub(super) fn turn_away(mut stream: &TcpStream, maximum: u64, asked: u64) {
-    let fault = Fault::LimitExceeded { limit: "connections".to_owned(), maximum, asked };
+    let fault = Fault::LimitExceeded {
+        limit: "connections".to_owned(),
+        maximum,
+        asked,
+    };
     let line = error_line(&Id::Null, &ErrorObject::from(fault));
     // A peer that does not take one line in this time does without it: the listener has others to see to.
     let _ = stream.set_write_timeout(Some(TICK));

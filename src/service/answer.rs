@@ -65,11 +65,17 @@ impl Pending {
         let mut state = slot.lock();
         loop {
             if let State::Filled(_) = *state {
-                let State::Filled(reply) = std::mem::replace(&mut *state, State::Taken) else { return None };
+                let State::Filled(reply) = std::mem::replace(&mut *state, State::Taken) else {
+                    return None;
+                };
                 return Some(reply);
             }
             let now = Instant::now();
-            if slot.urgency.deadline.is_some_and(|deadline| now >= deadline) {
+            if slot
+                .urgency
+                .deadline
+                .is_some_and(|deadline| now >= deadline)
+            {
                 drop(state);
                 slot.fail(Fault::DeadlineExceeded);
                 state = slot.lock();
@@ -78,7 +84,10 @@ impl Pending {
             if now >= until {
                 return None;
             }
-            let wake = slot.urgency.deadline.map_or(until, |deadline| deadline.min(until));
+            let wake = slot
+                .urgency
+                .deadline
+                .map_or(until, |deadline| deadline.min(until));
             let waited = slot.filled.wait_timeout(state, wake - now);
             state = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
@@ -90,7 +99,9 @@ impl Pending {
     }
 
     pub(super) fn handle(&self) -> Handle {
-        Handle { slot: Arc::downgrade(&self.slot) }
+        Handle {
+            slot: Arc::downgrade(&self.slot),
+        }
     }
 }
 
@@ -103,7 +114,9 @@ impl Drop for Pending {
 
 impl Handle {
     pub fn is_open(&self) -> bool {
-        self.slot.upgrade().is_some_and(|slot| matches!(*slot.lock(), State::Open))
+        self.slot
+            .upgrade()
+            .is_some_and(|slot| matches!(*slot.lock(), State::Open))
     }
 
     pub fn end(&self, fault: Fault) {
@@ -114,10 +127,27 @@ impl Handle {
 }
 
 impl Answer {
-    pub fn new(id: Id, method: Option<Method>, urgency: Urgency, stats: &Arc<Stats>) -> (Self, Pending) {
+    pub fn new(
+        id: Id,
+        method: Option<Method>,
+        urgency: Urgency,
+        stats: &Arc<Stats>,
+    ) -> (Self, Pending) {
         let (stats, filled) = (Arc::clone(stats), Condvar::new());
-        let slot = Arc::new(Slot { id, method, urgency, stats, state: Mutex::new(State::Open), filled });
-        (Self { slot: Some(Arc::clone(&slot)) }, Pending { slot })
+        let slot = Arc::new(Slot {
+            id,
+            method,
+            urgency,
+            stats,
+            state: Mutex::new(State::Open),
+            filled,
+        });
+        (
+            Self {
+                slot: Some(Arc::clone(&slot)),
+            },
+            Pending { slot },
+        )
     }
 
     /// To a notification: it is counted and goes nowhere.
@@ -138,14 +168,25 @@ impl Answer {
         }
     }
 
-    pub fn send<R: Serialize>(mut self, result: &R, attachments: Attachments, held: Option<HeldBytes>) {
+    pub fn send<R: Serialize>(
+        mut self,
+        result: &R,
+        attachments: Attachments,
+        held: Option<HeldBytes>,
+    ) {
         let Some(slot) = self.slot.take() else { return };
         match result_line(&slot.id, result, &attachments) {
             Ok(line) => {
-                let reply = Outgoing { line, attachments: attachments.into_parts(), _held: held };
+                let reply = Outgoing {
+                    line,
+                    attachments: attachments.into_parts(),
+                    _held: held,
+                };
                 slot.fill(reply, "ok");
             }
-            Err(error) => slot.fail(Fault::Internal { message: error.to_string() }),
+            Err(error) => slot.fail(Fault::Internal {
+                message: error.to_string(),
+            }),
         }
     }
 }
@@ -168,7 +209,14 @@ impl Slot {
     fn fail(&self, fault: Fault) {
         let kind = fault.kind();
         let line = error_line(&self.id, &ErrorObject::from(fault));
-        if self.fill(Outgoing { line, attachments: Vec::new(), _held: None }, kind.name()) {
+        if self.fill(
+            Outgoing {
+                line,
+                attachments: Vec::new(),
+                _held: None,
+            },
+            kind.name(),
+        ) {
             self.urgency.cancelled.store(true, Ordering::Relaxed);
         }
     }

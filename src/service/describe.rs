@@ -1,18 +1,37 @@
 //! From rigs and values of ours to their descriptions on the wire, for several families of methods.
 
-use crate::engine::{LoadedRig, RigRef};
+use crate::engine::{EngineError, LoadedRig, RigRef};
+use crate::formats::{self, FileRef, Source};
+use crate::limits::Limits;
 use crate::pose::Clamped;
 use crate::protocol::pose as wire_pose;
 use crate::protocol::rig as wire;
 use crate::rig::{Axis, Dof, DofKind, Joint, Limit, Rig, RotationOrder};
 use crate::scene::Bounds;
 
+/// What `rig.describe` would answer for these files, without keeping them and without a renderer.
+///
+/// # Errors
+/// As loading has them.
+pub fn describe_files(
+    files: &[FileRef],
+    source: &Source,
+    limits: &Limits,
+) -> Result<wire::RigDescription, EngineError> {
+    let loaded = formats::load(files, source, limits)?;
+    Ok(description(&RigRef::at_rest(LoadedRig::new(loaded, None)?)))
+}
+
 pub(super) fn summary(loaded: &LoadedRig) -> wire::RigSummary {
     let rig = &loaded.rig;
     wire::RigSummary {
         name: loaded.name.clone(),
         digest: loaded.digest.clone(),
-        dialects: loaded.dialects.iter().map(|&dialect| dialect.to_owned()).collect(),
+        dialects: loaded
+            .dialects
+            .iter()
+            .map(|&dialect| dialect.to_owned())
+            .collect(),
         joint_count: rig.skeleton().joints().len() as u64,
         dof_count: rig.dofs().all().len() as u64,
         vertex_count: rig.vertex_count() as u64,
@@ -29,8 +48,17 @@ pub(super) fn description(found: &RigRef) -> wire::RigDescription {
     let values = found.stored.dof_values();
     wire::RigDescription {
         summary: summary(&found.loaded),
-        joints: joints.iter().map(|described| joint(described, joints)).collect(),
-        dofs: rig.dofs().all().iter().zip(values).map(|(described, value)| dof(described, joints, value)).collect(),
+        joints: joints
+            .iter()
+            .map(|described| joint(described, joints))
+            .collect(),
+        dofs: rig
+            .dofs()
+            .all()
+            .iter()
+            .zip(values)
+            .map(|(described, value)| dof(described, joints, value))
+            .collect(),
         meshes: rig
             .meshes()
             .iter()
@@ -47,7 +75,10 @@ pub(super) fn description(found: &RigRef) -> wire::RigDescription {
             .iter()
             .map(|material| wire::MaterialDescription {
                 name: material.name.clone(),
-                texture: material.texture.as_ref().map(|texture| texture.file.clone()),
+                texture: material
+                    .texture
+                    .as_ref()
+                    .map(|texture| texture.file.clone()),
             })
             .collect(),
         morphs: Vec::new(),
@@ -61,7 +92,10 @@ pub(super) fn material_name(rig: &Rig, material: Option<usize>) -> Option<String
 }
 
 pub(super) fn bounds(bounds: &Bounds) -> wire::Bounds {
-    wire::Bounds { min: bounds.min.to_array(), max: bounds.max.to_array() }
+    wire::Bounds {
+        min: bounds.min.to_array(),
+        max: bounds.max.to_array(),
+    }
 }
 
 pub(super) fn clamped(rig: &Rig, clamped: &[Clamped]) -> Vec<wire_pose::Clamped> {
@@ -88,7 +122,9 @@ fn joint(joint: &Joint, joints: &[Joint]) -> wire::JointDescription {
             RotationOrder::Zyx => wire::RotationOrder::Zyx,
             RotationOrder::Xyz => wire::RotationOrder::Xyz,
         },
-        bounding_box: joint.bounding_box.map(|[min, max]| bounds(&Bounds { min, max })),
+        bounding_box: joint
+            .bounding_box
+            .map(|[min, max]| bounds(&Bounds { min, max })),
     }
 }
 

@@ -15,17 +15,24 @@ impl From<EngineError> for Fault {
             EngineError::Load(error) => error.into(),
             EngineError::Limit(exceeded) => exceeded.into(),
             // The caller knows the renderer's pace and says it better.
-            EngineError::Busy { queue_depth } => Self::Busy { retry_after_ms: 100, queue_depth },
+            EngineError::Busy { queue_depth } => Self::Busy {
+                retry_after_ms: 100,
+                queue_depth,
+            },
             EngineError::OutsideLimits(error) => {
                 Self::invalid_params(format!("pose.dofs.{}", error.dof), error.to_string())
             }
             EngineError::PoseOutOfRange(error) => Self::invalid_params("pose", error.to_string()),
-            EngineError::Scene(SceneError { field, expected, found }) => {
-                Self::invalid_params(field, format!("expected {expected}, but found {found}"))
-            }
+            EngineError::Scene(SceneError {
+                field,
+                expected,
+                found,
+            }) => Self::invalid_params(field, format!("expected {expected}, but found {found}")),
             EngineError::NoSuchPart { field, problem } => Self::invalid_params(field, problem),
             EngineError::Render(error) => error.into(),
-            EngineError::Adapter(error) => Self::Internal { message: error.to_string() },
+            EngineError::Adapter(error) => Self::Internal {
+                message: error.to_string(),
+            },
             EngineError::DeadlineExceeded => Self::DeadlineExceeded,
             EngineError::Cancelled => Self::Cancelled,
             EngineError::ShuttingDown => Self::ShuttingDown,
@@ -35,8 +42,18 @@ impl From<EngineError> for Fault {
 }
 
 impl From<LimitExceeded> for Fault {
-    fn from(LimitExceeded { limit, maximum, asked }: LimitExceeded) -> Self {
-        Self::LimitExceeded { limit: limit.to_owned(), maximum, asked }
+    fn from(
+        LimitExceeded {
+            limit,
+            maximum,
+            asked,
+        }: LimitExceeded,
+    ) -> Self {
+        Self::LimitExceeded {
+            limit: limit.to_owned(),
+            maximum,
+            asked,
+        }
     }
 }
 
@@ -45,9 +62,9 @@ impl From<RenderError> for Fault {
         match error {
             RenderError::DeviceLost { .. } => Self::DeviceLost,
             RenderError::Limit(exceeded) => exceeded.into(),
-            RenderError::OutOfMemory { .. } | RenderError::Refused { .. } => {
-                Self::Internal { message: error.to_string() }
-            }
+            RenderError::OutOfMemory { .. } | RenderError::Refused { .. } => Self::Internal {
+                message: error.to_string(),
+            },
         }
     }
 }
@@ -72,7 +89,12 @@ impl From<LoadError> for Fault {
             LoadError::Limit(exceeded) => exceeded.into(),
             LoadError::Io { file, .. } => {
                 let expected = Some("a file that can be read".to_owned());
-                Self::RigFileInvalid(Box::new(InvalidRigFile { message, file, expected, ..InvalidRigFile::default() }))
+                Self::RigFileInvalid(Box::new(InvalidRigFile {
+                    message,
+                    file,
+                    expected,
+                    ..InvalidRigFile::default()
+                }))
             }
         }
     }

@@ -12,8 +12,8 @@ use crate::protocol::frame as wire;
 use crate::protocol::{Attachments, Fault};
 use crate::render::{Outputs, Plan};
 use crate::scene::{
-    Background, Bounds, Camera, Color, Falloff, Light, LookAt, Near, Orbit, Pinhole, Samples, Scene, Show, ShowNormals,
-    ShowSkeleton, ShowSkin, Size, Surface,
+    Background, Bounds, Camera, Color, Falloff, Light, LookAt, Near, Orbit, Pinhole, Samples,
+    Scene, Show, ShowNormals, ShowSkeleton, ShowSkin, Size, Surface,
 };
 use glam::{DMat4, DVec3};
 use std::collections::BTreeMap;
@@ -24,13 +24,24 @@ use std::time::Instant;
 const BYTES_PER_PIXEL: u64 = 10;
 
 impl Call<'_> {
-    pub(super) fn render(&self, params: wire::FrameParams, answer: &mut Option<Answer>) -> Result<(), Fault> {
+    pub(super) fn render(
+        &self,
+        params: wire::FrameParams,
+        answer: &mut Option<Answer>,
+    ) -> Result<(), Fault> {
         let found = self.engine().rig(&params.rig)?;
         let scene = self.scene(&params, &found.loaded.rest_bounds)?;
         let (posed, clamped) = self.posed(&params.pose, &found)?;
-        let held = self.engine().admission().hold(BYTES_PER_PIXEL * scene.size.pixels() as u64);
+        let held = self
+            .engine()
+            .admission()
+            .hold(BYTES_PER_PIXEL * scene.size.pixels() as u64);
         let held = held.map_err(|error| self.busy(error))?;
-        let ticket = self.engine().admission().admit().map_err(|error| self.busy(error))?;
+        let ticket = self
+            .engine()
+            .admission()
+            .admit()
+            .map_err(|error| self.busy(error))?;
 
         let reply = FrameReply {
             camera: described(&scene.camera),
@@ -42,17 +53,22 @@ impl Call<'_> {
             transport: params.transport,
         };
         let plan = picture_plan(posed, scene, &found);
-        let Some(answer) = answer.take() else { return Ok(()) };
+        let Some(answer) = answer.take() else {
+            return Ok(());
+        };
         let stats = Arc::clone(&self.service.stats);
         let done = move |result: Result<(Outputs, Timings), EngineError>| match result {
             Ok((Outputs::Picture(frame), timings)) => {
                 stats.rendered(1, reply.vertices, timings.render);
                 reply.send(answer, &frame, timings, held);
             }
-            Ok((Outputs::Vertices(_), _)) => answer.fail(Fault::Internal { message: "vertices in place of a picture".to_owned() }),
+            Ok((Outputs::Vertices(_), _)) => answer.fail(Fault::Internal {
+                message: "vertices in place of a picture".to_owned(),
+            }),
             Err(error) => answer.fail(error.into()),
         };
-        self.engine().run(plan, self.urgency.clone(), ticket, Box::new(done));
+        self.engine()
+            .run(plan, self.urgency.clone(), ticket, Box::new(done));
         Ok(())
     }
 
@@ -62,14 +78,22 @@ impl Call<'_> {
         let size = Size::new(width, height, limits).map_err(EngineError::from)?;
         self.engine().capabilities().accept_size(size)?;
         if params.outputs.is_empty() {
-            return Err(Fault::invalid_params("outputs", "expected at least one output, but found none"));
+            return Err(Fault::invalid_params(
+                "outputs",
+                "expected at least one output, but found none",
+            ));
         }
         let lights = match &params.lights {
             None => Light::default_pair(),
             Some(lights) => {
                 limits.lights(lights.len())?;
-                let light = |(index, light)| of_light(light).map_err(|error| fault::of_light(index, error));
-                lights.iter().enumerate().map(light).collect::<Result<_, _>>()?
+                let light =
+                    |(index, light)| of_light(light).map_err(|error| fault::of_light(index, error));
+                lights
+                    .iter()
+                    .enumerate()
+                    .map(light)
+                    .collect::<Result<_, _>>()?
             }
         };
         let scene = || -> Result<Scene, crate::scene::SceneError> {
@@ -81,9 +105,15 @@ impl Call<'_> {
                 },
                 camera: of_camera(&params.camera, framed, size)?,
                 lights,
-                ambient: params.ambient.map_or(Ok(Scene::DEFAULT_AMBIENT), |ambient| Color::new(ambient, "ambient"))?,
+                ambient: params
+                    .ambient
+                    .map_or(Ok(Scene::DEFAULT_AMBIENT), |ambient| {
+                        Color::new(ambient, "ambient")
+                    })?,
                 surface: of_material(&params.material)?,
-                background: params.background.map_or(Ok(Background::default()), Background::new)?,
+                background: params
+                    .background
+                    .map_or(Ok(Background::default()), Background::new)?,
                 show: of_show(&params.show)?,
             })
         };
@@ -94,9 +124,14 @@ impl Call<'_> {
     pub(super) fn busy(&self, error: EngineError) -> Fault {
         match error {
             EngineError::Busy { queue_depth } => {
-                let drained = self.service.stats.mean_render() * u32::try_from(queue_depth).unwrap_or(u32::MAX) / 2;
+                let drained = self.service.stats.mean_render()
+                    * u32::try_from(queue_depth).unwrap_or(u32::MAX)
+                    / 2;
                 let retry_after_ms = (drained.as_millis() as u64).clamp(10, 5_000);
-                Fault::Busy { retry_after_ms, queue_depth }
+                Fault::Busy {
+                    retry_after_ms,
+                    queue_depth,
+                }
             }
             other => other.into(),
         }
@@ -123,11 +158,17 @@ impl FrameReply {
         let started = Instant::now();
         let Size { width, height } = frame.size;
         let picture = match self.image {
-            wire::ImageFormat::Rgba8 => Picture::Rgba8 { width, height, pixels: frame.pixels.clone() },
-            wire::ImageFormat::Png => match engine::encode_png(frame, of_compression(self.compression)) {
-                Ok(file) => Picture::Png(file),
-                Err(error) => return answer.fail(error.into()),
+            wire::ImageFormat::Rgba8 => Picture::Rgba8 {
+                width,
+                height,
+                pixels: frame.pixels.clone(),
             },
+            wire::ImageFormat::Png => {
+                match engine::encode_png(frame, of_compression(self.compression)) {
+                    Ok(file) => Picture::Png(file),
+                    Err(error) => return answer.fail(error.into()),
+                }
+            }
         };
         let mut attachments = Attachments::default();
         let color = Blob::picture(picture, self.transport, &mut attachments);
@@ -161,27 +202,86 @@ fn of_compression(compression: wire::Compression) -> Compression {
     }
 }
 
-fn of_camera(camera: &wire_camera::Camera, framed: &Bounds, size: Size) -> Result<Camera, crate::scene::SceneError> {
+fn of_camera(
+    camera: &wire_camera::Camera,
+    framed: &Bounds,
+    size: Size,
+) -> Result<Camera, crate::scene::SceneError> {
     match camera {
         wire_camera::Camera::Orbit(orbit) => {
-            let wire_camera::Orbit { target, distance, azimuth, inclination, fov_y, near } = *orbit;
+            let wire_camera::Orbit {
+                target,
+                distance,
+                azimuth,
+                inclination,
+                fov_y,
+                near,
+            } = *orbit;
             let target = target.map(DVec3::from_array);
-            Camera::orbit(Orbit { target, distance, azimuth, inclination, fov_y, near: Near(near) }, framed, size)
+            Camera::orbit(
+                Orbit {
+                    target,
+                    distance,
+                    azimuth,
+                    inclination,
+                    fov_y,
+                    near: Near(near),
+                },
+                framed,
+                size,
+            )
         }
         wire_camera::Camera::LookAt(look) => {
-            let wire_camera::LookAt { eye, target, up, fov_y, height, near } = *look;
+            let wire_camera::LookAt {
+                eye,
+                target,
+                up,
+                fov_y,
+                height,
+                near,
+            } = *look;
             let (eye, target) = (DVec3::from_array(eye), DVec3::from_array(target));
             let up = up.map_or(DVec3::Y, DVec3::from_array);
-            Camera::look_at(LookAt { eye, target, up, fov_y, height, near: Near(near) }, framed, size)
+            Camera::look_at(
+                LookAt {
+                    eye,
+                    target,
+                    up,
+                    fov_y,
+                    height,
+                    near: Near(near),
+                },
+                framed,
+                size,
+            )
         }
         wire_camera::Camera::Pinhole(pinhole) => {
-            let wire_camera::Pinhole { fx, fy, cx, cy, world_from_camera, axes, near } = *pinhole;
+            let wire_camera::Pinhole {
+                fx,
+                fy,
+                cx,
+                cy,
+                world_from_camera,
+                axes,
+                near,
+            } = *pinhole;
             let given = DMat4::from_cols_array(&world_from_camera);
             let world_from_camera = match axes {
                 wire_camera::Axes::Gl => given,
                 wire_camera::Axes::Cv => given * DMat4::from_scale(DVec3::new(1.0, -1.0, -1.0)),
             };
-            Camera::pinhole(Pinhole { fx, fy, cx, cy, world_from_camera, near: Near(near) }, framed, size)
+            Camera::pinhole(
+                Pinhole {
+                    fx,
+                    fy,
+                    cx,
+                    cy,
+                    world_from_camera,
+                    near: Near(near),
+                },
+                framed,
+                size,
+            )
         }
     }
 }
@@ -191,7 +291,11 @@ fn of_light(light: &wire_camera::Light) -> Result<Light, crate::scene::SceneErro
     match light {
         wire_camera::Light::Directional(light) => {
             let color = Color::new(light.color.unwrap_or(white), "lights.color")?;
-            Light::directional(DVec3::from_array(light.direction), color, light.intensity.unwrap_or(1.0))
+            Light::directional(
+                DVec3::from_array(light.direction),
+                color,
+                light.intensity.unwrap_or(1.0),
+            )
         }
         wire_camera::Light::Point(light) => {
             let color = Color::new(light.color.unwrap_or(white), "lights.color")?;
@@ -199,16 +303,29 @@ fn of_light(light: &wire_camera::Light) -> Result<Light, crate::scene::SceneErro
                 wire_camera::Falloff::None => Falloff::None,
                 wire_camera::Falloff::InverseSquare => Falloff::InverseSquare,
             };
-            Light::point(DVec3::from_array(light.position), color, light.intensity.unwrap_or(1.0), falloff)
+            Light::point(
+                DVec3::from_array(light.position),
+                color,
+                light.intensity.unwrap_or(1.0),
+                falloff,
+            )
         }
     }
 }
 
 fn of_material(material: &wire::Material) -> Result<Surface, crate::scene::SceneError> {
-    let Surface { diffuse, specular, shininess } = Surface::default();
+    let Surface {
+        diffuse,
+        specular,
+        shininess,
+    } = Surface::default();
     Surface::new(
-        material.diffuse.map_or(Ok(diffuse), |diffuse| Color::new(diffuse, "material.diffuse"))?,
-        material.specular.map_or(Ok(specular), |specular| Color::new(specular, "material.specular"))?,
+        material.diffuse.map_or(Ok(diffuse), |diffuse| {
+            Color::new(diffuse, "material.diffuse")
+        })?,
+        material.specular.map_or(Ok(specular), |specular| {
+            Color::new(specular, "material.specular")
+        })?,
         material.shininess.unwrap_or(f64::from(shininess)),
     )
 }

@@ -17,23 +17,36 @@ use std::sync::Arc;
 const BYTES_PER_BYTE: u64 = 5;
 
 impl Call<'_> {
-    pub(super) fn vertices(&self, params: wire::VerticesParams, answer: &mut Option<Answer>) -> Result<(), Fault> {
+    pub(super) fn vertices(
+        &self,
+        params: wire::VerticesParams,
+        answer: &mut Option<Answer>,
+    ) -> Result<(), Fault> {
         let found = self.engine().rig(&params.rig)?;
         let rig = Arc::clone(&found.loaded.rig);
         let queries = queries(&params, &rig)?;
         let (posed, clamped) = self.posed(&params.pose, &found)?;
         let clamped = describe::clamped(&rig, &clamped);
         let vertex_count: usize = queries.iter().map(|query| query.count).sum();
-        let held = self.engine().admission().hold(BYTES_PER_BYTE * 24 * vertex_count as u64);
+        let held = self
+            .engine()
+            .admission()
+            .hold(BYTES_PER_BYTE * 24 * vertex_count as u64);
         let held = held.map_err(|error| self.busy(error))?;
-        let ticket = self.engine().admission().admit().map_err(|error| self.busy(error))?;
+        let ticket = self
+            .engine()
+            .admission()
+            .admit()
+            .map_err(|error| self.busy(error))?;
 
         let shape = match params.state {
             wire::VertexState::Posed => Shape::Posed,
             wire::VertexState::Bind => Shape::Bind,
         };
         let plan = Plan::vertices(posed, shape, queries.clone());
-        let Some(answer) = answer.take() else { return Ok(()) };
+        let Some(answer) = answer.take() else {
+            return Ok(());
+        };
         let stats = Arc::clone(&self.service.stats);
         let done = move |result: Result<(Outputs, Timings), EngineError>| match result {
             Ok((Outputs::Vertices(skinned), timings)) => {
@@ -45,30 +58,55 @@ impl Call<'_> {
                     described(name, skinned, &params, &mut attachments)
                 });
                 let meshes = meshes.collect();
-                let result = wire::Vertices { meshes, bounds: describe::bounds(&bounds), clamped };
+                let result = wire::Vertices {
+                    meshes,
+                    bounds: describe::bounds(&bounds),
+                    clamped,
+                };
                 answer.send(&result, attachments, Some(held));
             }
-            Ok((Outputs::Picture(_), _)) => answer.fail(Fault::Internal { message: "a picture in place of vertices".to_owned() }),
+            Ok((Outputs::Picture(_), _)) => answer.fail(Fault::Internal {
+                message: "a picture in place of vertices".to_owned(),
+            }),
             Err(error) => answer.fail(error.into()),
         };
-        self.engine().run(plan, self.urgency.clone(), ticket, Box::new(done));
+        self.engine()
+            .run(plan, self.urgency.clone(), ticket, Box::new(done));
         Ok(())
     }
 
-    pub(super) fn topology(&self, params: wire::TopologyParams, answer: &mut Option<Answer>) -> Result<(), Fault> {
+    pub(super) fn topology(
+        &self,
+        params: wire::TopologyParams,
+        answer: &mut Option<Answer>,
+    ) -> Result<(), Fault> {
         let rig = self.engine().rig(&params.rig)?.loaded.rig.clone();
         let bytes = 12 * rig.triangle_count() + 8 * rig.vertex_count();
-        let held = self.engine().admission().hold(BYTES_PER_BYTE * bytes as u64);
+        let held = self
+            .engine()
+            .admission()
+            .hold(BYTES_PER_BYTE * bytes as u64);
         let held = held.map_err(|error| self.busy(error))?;
         let mut attachments = Attachments::default();
         let mut meshes = Vec::with_capacity(rig.meshes().len());
         for mesh in rig.meshes() {
             let (vertex_count, triangle_count) = (mesh.vertex_count(), mesh.triangles().len());
             let corners = Numbers::Uint32(mesh.triangles().as_flattened().to_vec());
-            let triangles = Blob::array(corners, &[triangle_count, 3], params.transport, &mut attachments);
+            let triangles = Blob::array(
+                corners,
+                &[triangle_count, 3],
+                params.transport,
+                &mut attachments,
+            );
             let texcoords = mesh.texcoords().map(|texcoords| {
-                let numbers = Numbers::Float32(texcoords.iter().flat_map(|uv| uv.to_array()).collect());
-                Blob::array(numbers, &[vertex_count, 2], params.transport, &mut attachments)
+                let numbers =
+                    Numbers::Float32(texcoords.iter().flat_map(|uv| uv.to_array()).collect());
+                Blob::array(
+                    numbers,
+                    &[vertex_count, 2],
+                    params.transport,
+                    &mut attachments,
+                )
             });
             meshes.push(wire::MeshTopology {
                 name: mesh.name().to_owned(),
@@ -98,28 +136,46 @@ fn queries(params: &wire::VerticesParams, rig: &Rig) -> Result<Vec<VertexQuery>,
         }
     };
     let normals = params.attributes.contains(&wire::Attribute::Normals);
-    let query = |mesh, start, count| VertexQuery { mesh, start, count, positions: true, normals };
+    let query = |mesh, start, count| VertexQuery {
+        mesh,
+        start,
+        count,
+        positions: true,
+        normals,
+    };
     match (params.range, chosen.as_slice()) {
-        (None, _) => Ok(chosen.iter().map(|&mesh| query(mesh, 0, meshes[mesh].vertex_count())).collect()),
+        (None, _) => Ok(chosen
+            .iter()
+            .map(|&mesh| query(mesh, 0, meshes[mesh].vertex_count()))
+            .collect()),
         (Some(wire::Range { start, count }), &[mesh]) => {
             let has = meshes[mesh].vertex_count();
             let place = usize::try_from(start).ok().zip(usize::try_from(count).ok());
-            let inside = place.filter(|(start, count)| start.checked_add(*count).is_some_and(|end| end <= has));
+            let inside = place
+                .filter(|(start, count)| start.checked_add(*count).is_some_and(|end| end <= has));
             let beyond = || {
-                Fault::invalid_params("range", format!("expected a part of {has} vertices, but found {count} from {start}"))
+                Fault::invalid_params(
+                    "range",
+                    format!("expected a part of {has} vertices, but found {count} from {start}"),
+                )
             };
             let (start, count) = inside.ok_or_else(beyond)?;
             Ok(vec![query(mesh, start, count)])
         }
         (Some(_), several) => {
-            let problem = format!("a range needs the name of one mesh; the rig has {}", several.len());
+            let problem = format!(
+                "a range needs the name of one mesh; the rig has {}",
+                several.len()
+            );
             Err(Fault::invalid_params("mesh", problem))
         }
     }
 }
 
 fn bounds_of(skinned: &[SkinnedVertices]) -> Bounds {
-    let positions = skinned.iter().filter_map(|vertices| vertices.positions.as_deref());
+    let positions = skinned
+        .iter()
+        .filter_map(|vertices| vertices.positions.as_deref());
     let points = positions.flat_map(|positions| positions.as_chunks::<3>().0);
     Bounds::of(points.map(|&point| DVec3::from(Vec3::from_array(point)))).unwrap_or(Bounds::ORIGIN)
 }
@@ -130,9 +186,20 @@ fn described(
     params: &wire::VerticesParams,
     attachments: &mut Attachments,
 ) -> wire::MeshVertices {
-    let SkinnedVertices { vertex_count, positions, normals } = skinned;
+    let SkinnedVertices {
+        vertex_count,
+        positions,
+        normals,
+    } = skinned;
     let transport: ArrayTransport = params.transport;
-    let mut blob = |numbers: Vec<f32>| Blob::array(Numbers::Float32(numbers), &[vertex_count, 3], transport, attachments);
+    let mut blob = |numbers: Vec<f32>| {
+        Blob::array(
+            Numbers::Float32(numbers),
+            &[vertex_count, 3],
+            transport,
+            attachments,
+        )
+    };
     let positions = positions.filter(|_| params.attributes.contains(&wire::Attribute::Positions));
     wire::MeshVertices {
         name,

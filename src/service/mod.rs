@@ -14,6 +14,7 @@ mod server;
 mod stats;
 
 pub use answer::{Outgoing, Pending};
+pub use describe::describe_files;
 pub use stats::Stats;
 
 use crate::engine::{Engine, Urgency};
@@ -39,7 +40,12 @@ pub struct Service {
 impl Service {
     /// Paths in requests are opened by way of `source`.
     pub fn new(engine: Engine, source: Source) -> Arc<Self> {
-        Arc::new(Self { engine, source, stats: Arc::default(), started: Instant::now() })
+        Arc::new(Self {
+            engine,
+            source,
+            stats: Arc::default(),
+            started: Instant::now(),
+        })
     }
 
     pub fn engine(&self) -> &Engine {
@@ -56,13 +62,18 @@ impl Service {
 
     /// What one connection says to the service.
     pub fn converse(self: &Arc<Self>) -> Conversation {
-        Conversation { service: Arc::clone(self), in_hand: VecDeque::new() }
+        Conversation {
+            service: Arc::clone(self),
+            in_hand: VecDeque::new(),
+        }
     }
 
     /// Answers one line and waits for it; `attached` is what followed it. `None` for a notification.
     pub fn answer(self: &Arc<Self>, line: &[u8], attached: Vec<u8>) -> Option<Outgoing> {
         let message = Message::read(line, Instant::now());
-        self.converse().begin(message, attached).map(|pending| pending.wait())
+        self.converse()
+            .begin(message, attached)
+            .map(|pending| pending.wait())
     }
 }
 
@@ -74,13 +85,23 @@ pub struct Message {
 
 impl Message {
     pub fn read(line: &[u8], arrived: Instant) -> Self {
-        Self { request: Request::parse(line), arrived }
+        Self {
+            request: Request::parse(line),
+            arrived,
+        }
     }
 
     /// A line that cannot even be read.
     pub fn unreadable(fault: Fault) -> Self {
-        let bad = BadRequest { id: Id::Null, attach_bytes: None, fault };
-        Self { request: Err(bad), arrived: Instant::now() }
+        let bad = BadRequest {
+            id: Id::Null,
+            attach_bytes: None,
+            fault,
+        };
+        Self {
+            request: Err(bad),
+            arrived: Instant::now(),
+        }
     }
 
     /// How many raw bytes follow the line; `None` where nobody can tell, and so the connection has to end.
@@ -97,8 +118,15 @@ impl Message {
             Ok(Request { id: Some(id), .. }) | Err(BadRequest { id, .. }) => id,
             Ok(Request { id: None, .. }) => Id::Null,
         };
-        let bad = BadRequest { id, attach_bytes: None, fault };
-        Self { request: Err(bad), arrived: self.arrived }
+        let bad = BadRequest {
+            id,
+            attach_bytes: None,
+            fault,
+        };
+        Self {
+            request: Err(bad),
+            arrived: self.arrived,
+        }
     }
 }
 
@@ -132,7 +160,10 @@ impl Conversation {
             }
         };
         let after = |ms| arrived.checked_add(Duration::from_millis(ms));
-        let urgency = Urgency { deadline: request.deadline_ms.and_then(after), ..Urgency::default() };
+        let urgency = Urgency {
+            deadline: request.deadline_ms.and_then(after),
+            ..Urgency::default()
+        };
         let method = Method::named(&request.method);
         let named = method.as_ref().ok().copied();
         let (answer, pending) = match &request.id {
@@ -153,7 +184,12 @@ impl Conversation {
             // Nobody hears what a notification comes to, so one that only asks is not worth working on.
             Ok(method) if request.id.is_none() && !changes_something(method) => {}
             Ok(method) => {
-                let call = Call { service: &self.service, request: &request, attached: &attached, urgency };
+                let call = Call {
+                    service: &self.service,
+                    request: &request,
+                    attached: &attached,
+                    urgency,
+                };
                 // A panic drops the answer, which tells the client; a store is only ever changed as a whole.
                 let caught = catch_unwind(AssertUnwindSafe(|| call.handle(method, answer)));
                 drop(caught);
@@ -195,7 +231,9 @@ impl Call<'_> {
             return answer.fail(late.into());
         }
         match method {
-            Method::RpcDiscover => self.reply(answer, |_: protocol::NoParams| Ok(protocol::openrpc())),
+            Method::RpcDiscover => {
+                self.reply(answer, |_: protocol::NoParams| Ok(protocol::openrpc()))
+            }
             Method::ServerInfo => self.reply(answer, |_: protocol::NoParams| Ok(self.info())),
             Method::ServerPing => self.reply(answer, |_: protocol::NoParams| Ok(protocol::Done {})),
             Method::ServerStats => self.reply(answer, |_: protocol::NoParams| Ok(self.stats())),
@@ -216,14 +254,23 @@ impl Call<'_> {
     }
 
     /// For a method that is done when it returns.
-    fn reply<P: DeserializeOwned, R: Serialize>(&self, answer: Answer, work: impl FnOnce(P) -> Result<R, Fault>) {
+    fn reply<P: DeserializeOwned, R: Serialize>(
+        &self,
+        answer: Answer,
+        work: impl FnOnce(P) -> Result<R, Fault>,
+    ) {
         answer.give(protocol::params(self.request.params.as_deref()).and_then(work));
     }
 
     /// For a method whose answer goes its own way, unless it fails at once.
-    fn hand_over<P: DeserializeOwned>(&self, answer: Answer, work: impl FnOnce(&Self, P, &mut Option<Answer>) -> Result<(), Fault>) {
+    fn hand_over<P: DeserializeOwned>(
+        &self,
+        answer: Answer,
+        work: impl FnOnce(&Self, P, &mut Option<Answer>) -> Result<(), Fault>,
+    ) {
         let mut answer = Some(answer);
-        let begun = protocol::params(self.request.params.as_deref()).and_then(|params| work(self, params, &mut answer));
+        let begun = protocol::params(self.request.params.as_deref())
+            .and_then(|params| work(self, params, &mut answer));
         if let (Err(fault), Some(answer)) = (begun, answer) {
             answer.fail(fault);
         }

@@ -16,22 +16,35 @@ impl Call<'_> {
         let RigRef { loaded, stored, .. } = self.engine().rig(&params.rig)?;
         let rig = &loaded.rig;
         let names = rig.dofs().all().iter().map(|dof| dof.name.clone());
-        let joints = rig.skeleton().joints().iter().enumerate().map(|(index, joint)| {
-            let (translation, rotation) = stored.local(index);
-            let local = wire::LocalTransform {
-                translation: translation.to_array(),
-                rotation: rotation.to_array(),
-                scale: [1.0; 3],
-            };
-            (joint.name.clone(), local)
-        });
-        Ok(wire::StoredPose { dofs: names.zip(stored.dof_values()).collect(), joints: joints.collect() })
+        let joints = rig
+            .skeleton()
+            .joints()
+            .iter()
+            .enumerate()
+            .map(|(index, joint)| {
+                let (translation, rotation) = stored.local(index);
+                let local = wire::LocalTransform {
+                    translation: translation.to_array(),
+                    rotation: rotation.to_array(),
+                    scale: [1.0; 3],
+                };
+                (joint.name.clone(), local)
+            });
+        Ok(wire::StoredPose {
+            dofs: names.zip(stored.dof_values()).collect(),
+            joints: joints.collect(),
+        })
     }
 
-    pub(super) fn set_pose(&self, params: &wire::PoseSetParams) -> Result<wire::PoseSetResult, Fault> {
+    pub(super) fn set_pose(
+        &self,
+        params: &wire::PoseSetParams,
+    ) -> Result<wire::PoseSetResult, Fault> {
         let choose = |current: &RigRef| self.edit(&params.pose, current);
         let (loaded, clamped) = self.engine().set_pose(&params.rig, choose)?;
-        Ok(wire::PoseSetResult { clamped: describe::clamped(&loaded.rig, &clamped) })
+        Ok(wire::PoseSetResult {
+            clamped: describe::clamped(&loaded.rig, &clamped),
+        })
     }
 
     pub(super) fn reset_pose(&self, params: &RigParams) -> Result<Done, Fault> {
@@ -39,22 +52,34 @@ impl Call<'_> {
         Ok(Done {})
     }
 
-    pub(super) fn joint_transforms(&self, params: &wire::TransformsParams) -> Result<wire::Transforms, Fault> {
+    pub(super) fn joint_transforms(
+        &self,
+        params: &wire::TransformsParams,
+    ) -> Result<wire::Transforms, Fault> {
         let found = self.engine().rig(&params.rig)?;
         let (posed, clamped) = self.posed(&params.pose, &found)?;
         let joints = posed.rig().skeleton().joints();
-        let transforms = joints.iter().zip(posed.world_from_joint()).map(|(joint, &world_from_joint)| {
-            wire::JointTransform {
-                name: joint.name.clone(),
-                parent: describe::parent_name(joint, joints),
-                world_from_joint: DMat4::from(world_from_joint).to_cols_array(),
-            }
-        });
-        Ok(wire::Transforms { joints: transforms.collect(), clamped: describe::clamped(posed.rig(), &clamped) })
+        let transforms =
+            joints
+                .iter()
+                .zip(posed.world_from_joint())
+                .map(|(joint, &world_from_joint)| wire::JointTransform {
+                    name: joint.name.clone(),
+                    parent: describe::parent_name(joint, joints),
+                    world_from_joint: DMat4::from(world_from_joint).to_cols_array(),
+                });
+        Ok(wire::Transforms {
+            joints: transforms.collect(),
+            clamped: describe::clamped(posed.rig(), &clamped),
+        })
     }
 
     /// The pose of this request, worked out, and what limits changed in it.
-    pub(super) fn posed(&self, pose: &wire::Pose, found: &RigRef) -> Result<(Arc<Posed>, Vec<Clamped>), Fault> {
+    pub(super) fn posed(
+        &self,
+        pose: &wire::Pose,
+        found: &RigRef,
+    ) -> Result<(Arc<Posed>, Vec<Clamped>), Fault> {
         let (base, edit) = self.edit(pose, found)?;
         Ok(found.posed(base, &edit)?)
     }
@@ -71,35 +96,65 @@ impl Call<'_> {
         let dofs = match &pose.dof_values {
             None => named_dofs(&pose.dofs, rig)?,
             Some(values) if pose.dofs.is_empty() => self.all_dofs(values, rig)?,
-            Some(_) => return Err(no_such("pose.dof_values", "expected either `dofs` or `dof_values`, but found both")),
+            Some(_) => {
+                return Err(no_such(
+                    "pose.dof_values",
+                    "expected either `dofs` or `dof_values`, but found both",
+                ));
+            }
         };
         let limits = match pose.limits {
             wire::LimitPolicy::Clamp => LimitPolicy::Clamp,
             wire::LimitPolicy::Reject => LimitPolicy::Reject,
             wire::LimitPolicy::Ignore => LimitPolicy::Ignore,
         };
-        Ok((base, PoseEdit { rotations: rotations(&pose.rotations, rig)?, dofs, limits }))
+        Ok((
+            base,
+            PoseEdit {
+                rotations: rotations(&pose.rotations, rig)?,
+                dofs,
+                limits,
+            },
+        ))
     }
 
-    fn all_dofs(&self, values: &wire::DofValues, rig: &Rig) -> Result<Vec<(usize, f64)>, EngineError> {
+    fn all_dofs(
+        &self,
+        values: &wire::DofValues,
+        rig: &Rig,
+    ) -> Result<Vec<(usize, f64)>, EngineError> {
         let values = match values {
             wire::DofValues::List(values) => values.clone(),
             wire::DofValues::Attached { attach } => {
                 let path = "pose.dof_values.attach";
-                let bytes = attach.of(self.attached, path).map_err(|fault| no_such(path, fault.to_string()))?;
+                let bytes = attach
+                    .of(self.attached, path)
+                    .map_err(|fault| no_such(path, fault.to_string()))?;
                 let (words, rest) = bytes.as_chunks::<4>();
                 if !rest.is_empty() {
-                    return Err(no_such(path, format!("expected float32 numbers, but found {} bytes", bytes.len())));
+                    return Err(no_such(
+                        path,
+                        format!("expected float32 numbers, but found {} bytes", bytes.len()),
+                    ));
                 }
-                words.iter().map(|&word| f64::from(f32::from_le_bytes(word))).collect()
+                words
+                    .iter()
+                    .map(|&word| f64::from(f32::from_le_bytes(word)))
+                    .collect()
             }
         };
         let (wanted, found) = (rig.dofs().all().len(), values.len());
         if wanted != found {
-            return Err(no_such("pose.dof_values", format!("expected {wanted} values, one for each DOF, but found {found}")));
+            return Err(no_such(
+                "pose.dof_values",
+                format!("expected {wanted} values, one for each DOF, but found {found}"),
+            ));
         }
         if let Some(index) = values.iter().position(|value| !value.is_finite()) {
-            return Err(no_such(format!("pose.dof_values[{index}]"), "expected a finite number"));
+            return Err(no_such(
+                format!("pose.dof_values[{index}]"),
+                "expected a finite number",
+            ));
         }
         Ok(values.into_iter().enumerate().collect())
     }
@@ -110,23 +165,35 @@ fn named_dofs(dofs: &BTreeMap<String, f64>, rig: &Rig) -> Result<Vec<(usize, f64
         Some(dof) => Ok((dof, value)),
         None => {
             let known = rig.dofs().all().iter().map(|dof| dof.name.as_str());
-            Err(no_such(format!("pose.dofs.{name}"), unknown("DOF", name, known)))
+            Err(no_such(
+                format!("pose.dofs.{name}"),
+                unknown("DOF", name, known),
+            ))
         }
     };
     dofs.iter().map(index).collect()
 }
 
-fn rotations(rotations: &BTreeMap<String, [f64; 4]>, rig: &Rig) -> Result<Vec<(usize, DQuat)>, EngineError> {
+fn rotations(
+    rotations: &BTreeMap<String, [f64; 4]>,
+    rig: &Rig,
+) -> Result<Vec<(usize, DQuat)>, EngineError> {
     let index = |(name, &rotation): (&String, &[f64; 4])| {
         let field = || format!("pose.rotations.{name}");
         let Some(joint) = rig.skeleton().joint_named(name) else {
-            let known = rig.skeleton().joints().iter().map(|joint| joint.name.as_str());
+            let known = rig
+                .skeleton()
+                .joints()
+                .iter()
+                .map(|joint| joint.name.as_str());
             return Err(no_such(field(), unknown("joint", name, known)));
         };
         let length = DQuat::from_array(rotation).length();
         // Off by more than float32 or a few printed decimals leave, it was not meant as a rotation.
         if !((length - 1.0).abs() < 1e-2) {
-            let problem = format!("expected a unit quaternion [x, y, z, w], but found one of length {length}");
+            let problem = format!(
+                "expected a unit quaternion [x, y, z, w], but found one of length {length}"
+            );
             return Err(no_such(field(), problem));
         }
         Ok((joint, DQuat::from_array(rotation).normalize()))
@@ -142,5 +209,8 @@ fn unknown<'a>(noun: &str, name: &str, known: impl Iterator<Item = &'a str>) -> 
 }
 
 fn no_such(field: impl Into<String>, problem: impl Into<String>) -> EngineError {
-    EngineError::NoSuchPart { field: field.into(), problem: problem.into() }
+    EngineError::NoSuchPart {
+        field: field.into(),
+        problem: problem.into(),
+    }
 }

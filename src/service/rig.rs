@@ -10,13 +10,22 @@ const LONGEST_NAME: usize = 256;
 
 impl Call<'_> {
     pub(super) fn load(&self, params: LoadParams) -> Result<RigSummary, Fault> {
-        let LoadParams { name, files, replace } = params;
+        let LoadParams {
+            name,
+            files,
+            replace,
+        } = params;
         if let Some(name) = &name {
             check_name(name)?;
         }
-        let files = files.into_iter().enumerate().map(|(index, file)| self.file_ref(index, file));
+        let files = files
+            .into_iter()
+            .enumerate()
+            .map(|(index, file)| self.file_ref(index, file));
         let files: Vec<_> = files.collect::<Result<_, _>>()?;
-        let loaded = self.engine().load(name.as_deref(), &files, &self.service.source, replace)?;
+        let loaded = self
+            .engine()
+            .load(name.as_deref(), &files, &self.service.source, replace)?;
         Ok(describe::summary(&loaded))
     }
 
@@ -26,7 +35,14 @@ impl Call<'_> {
     }
 
     pub(super) fn list(&self) -> RigList {
-        RigList { rigs: self.engine().rigs().iter().map(|loaded| describe::summary(loaded)).collect() }
+        RigList {
+            rigs: self
+                .engine()
+                .rigs()
+                .iter()
+                .map(|loaded| describe::summary(loaded))
+                .collect(),
+        }
     }
 
     pub(super) fn describe(&self, params: &RigParams) -> Result<RigDescription, Fault> {
@@ -34,7 +50,12 @@ impl Call<'_> {
     }
 
     fn file_ref(&self, index: usize, file: RigFile) -> Result<FileRef, Fault> {
-        let inline = |name, bytes: Vec<u8>| Ok(FileRef::Inline(File { name, bytes: bytes.into() }));
+        let inline = |name, bytes: Vec<u8>| {
+            Ok(FileRef::Inline(File {
+                name,
+                bytes: bytes.into(),
+            }))
+        };
         match file {
             RigFile::Path(path) => Ok(FileRef::Path(path)),
             RigFile::Text { name, text } => inline(name, text.into_bytes()),
@@ -51,7 +72,10 @@ fn check_name(name: &str) -> Result<(), Fault> {
     let problem = if name.is_empty() {
         "expected a name, but found an empty string".to_owned()
     } else if name.len() > LONGEST_NAME {
-        format!("expected at most {LONGEST_NAME} bytes, but found {}", name.len())
+        format!(
+            "expected at most {LONGEST_NAME} bytes, but found {}",
+            name.len()
+        )
     } else if name.chars().any(char::is_control) {
         "expected a name without control characters".to_owned()
     } else if name.starts_with("sha256:") {

@@ -10,7 +10,10 @@ impl Call<'_> {
     pub(super) fn info(&self) -> wire::ServerInfo {
         let engine = self.engine();
         let adapter = engine.adapter();
-        let limits = engine.limits().entries().chain(engine.capabilities().entries());
+        let limits = engine
+            .limits()
+            .entries()
+            .chain(engine.capabilities().entries());
         wire::ServerInfo {
             name: env!("CARGO_PKG_NAME").to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -25,7 +28,9 @@ impl Call<'_> {
                 },
                 driver: adapter.driver.clone(),
             },
-            limits: limits.map(|(name, value)| (name.to_owned(), value)).collect(),
+            limits: limits
+                .map(|(name, value)| (name.to_owned(), value))
+                .collect(),
             formats: FORMATS.iter().map(|&format| format.to_owned()).collect(),
             uptime_s: self.service.started.elapsed().as_secs_f64(),
         }
@@ -38,7 +43,8 @@ impl Call<'_> {
             rigs: engine.rigs().len() as u64,
             memory: wire::Memory {
                 // 0 where the system does not tell.
-                cpu_bytes: memory_stats::memory_stats().map_or(0, |memory| memory.physical_mem as u64),
+                cpu_bytes: memory_stats::memory_stats()
+                    .map_or(0, |memory| memory.physical_mem as u64),
                 rigs_bytes: engine.rig_bytes(),
                 gpu_bytes: engine.gpu_bytes(),
             },

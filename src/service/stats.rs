@@ -41,7 +41,9 @@ impl Stats {
 
     pub(super) fn answered(&self, method: Option<Method>, outcome: &'static str) {
         let mut requests = self.requests.lock().unwrap_or_else(PoisonError::into_inner);
-        let outcomes = requests.entry(method.map_or(OTHER, Method::name)).or_default();
+        let outcomes = requests
+            .entry(method.map_or(OTHER, Method::name))
+            .or_default();
         match outcome {
             "ok" => outcomes.ok += 1,
             kind => *outcomes.errors.entry(kind.to_owned()).or_default() += 1,
@@ -51,7 +53,8 @@ impl Stats {
     pub(super) fn rendered(&self, frames: u64, vertices: u64, time: Duration) {
         self.frames.fetch_add(frames, Ordering::Relaxed);
         self.vertices.fetch_add(vertices, Ordering::Relaxed);
-        self.render_micros.fetch_add(time.as_micros() as u64, Ordering::Relaxed);
+        self.render_micros
+            .fetch_add(time.as_micros() as u64, Ordering::Relaxed);
     }
 
     /// The mean over every answer of the renderer so far.
@@ -59,7 +62,11 @@ impl Stats {
         let answers: u64 = {
             let requests = self.requests.lock().unwrap_or_else(PoisonError::into_inner);
             let drawing = [Method::FrameRender, Method::MeshVertices].map(Method::name);
-            drawing.iter().filter_map(|method| requests.get(method)).map(|outcomes| outcomes.ok).sum()
+            drawing
+                .iter()
+                .filter_map(|method| requests.get(method))
+                .map(|outcomes| outcomes.ok)
+                .sum()
         };
         Duration::from_micros(self.render_micros.load(Ordering::Relaxed) / answers.max(1))
     }
@@ -67,7 +74,9 @@ impl Stats {
     /// The counters, with every gauge that is not kept here at 0.
     pub(super) fn counted(&self) -> crate::protocol::server::ServerStats {
         let requests = self.requests.lock().unwrap_or_else(PoisonError::into_inner);
-        let requests = requests.iter().map(|(method, outcomes)| ((*method).to_owned(), outcomes.clone()));
+        let requests = requests
+            .iter()
+            .map(|(method, outcomes)| ((*method).to_owned(), outcomes.clone()));
         crate::protocol::server::ServerStats {
             requests: requests.collect(),
             frames: self.frames.load(Ordering::Relaxed),

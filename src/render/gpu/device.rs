@@ -2,8 +2,8 @@
 
 use super::adapter::{self, AdapterChoice, AdapterError, AdapterInfo};
 use crate::limits::LimitExceeded;
-use crate::render::RenderError;
 use crate::pose::SkinMatrix;
+use crate::render::RenderError;
 use crate::rig::Rig;
 use crate::scene::Size;
 use pollster::block_on;
@@ -34,7 +34,10 @@ impl Capabilities {
     /// Where a buffer of this rig is larger than the adapter takes.
     pub fn accept_rig(&self, rig: &Rig) -> Result<(), LimitExceeded> {
         let of_meshes = rig.meshes().iter().flat_map(|mesh| {
-            [size_of_val(mesh.influences()), size_of_val(mesh.draw_triangles())]
+            [
+                size_of_val(mesh.influences()),
+                size_of_val(mesh.draw_triangles()),
+            ]
         });
         // The skinned vertices of all meshes stand in one buffer, six floats each.
         let skinned = rig.vertex_count() * 24;
@@ -48,7 +51,15 @@ const SIDE: &str = "adapter_side";
 const BUFFER_BYTES: &str = "adapter_buffer_bytes";
 
 fn hold(limit: &'static str, maximum: u64, asked: u64) -> Result<(), LimitExceeded> {
-    if asked > maximum { Err(LimitExceeded { limit, maximum, asked }) } else { Ok(()) }
+    if asked > maximum {
+        Err(LimitExceeded {
+            limit,
+            maximum,
+            asked,
+        })
+    } else {
+        Ok(())
+    }
 }
 
 /// A device that never panics the thread: what it complains of is kept until [`Device::check`].

@@ -1,0 +1,97 @@
+//! `rigd call`: one request to a running daemon.
+
+use crate::client::{Client, ClientError};
+use crate::protocol::Blob;
+use anyhow::{Context, bail};
+use clap::Args;
+use serde_json::Value;
+use std::io::Read;
+use std::path::PathBuf;
+
+#[derive(Args)]
+pub(super) struct CallArgs {
+    /// E.g. server.info or frame.render
+    method: String,
+    /// A JSON object, @FILE to read one, or - for standard input
+    #[arg(default_value = "{}")]
+    params: String,
+    /// Save the first picture or array of the result here, and leave its data out of what is printed
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Where the daemon listens
+    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:7443")]
+    connect: String,
+}
+
+pub(super) fn run(args: &CallArgs) -> anyhow::Result<()> {
+    let params = args.params()?;
+    let mut client = Client::connect(args.connect.as_str()).with_context(|| {
+        format!(
+            "no daemon answers at {}; start one with `rigd serve`",
+            args.connect
+        )
+    })?;
+    let (mut result, attached) = match client.call_raw(&args.method, params) {
+        Ok(answered) => answered,
+        Err(ClientError::Server(error)) => {
+            // On standard output as well: whoever reads the result by program wants the error the same way.
+            println!("{}", serde_json::to_string_pretty(&error)?);
+            bail!("{error}");
+        }
+        Err(error) => return Err(error.into()),
+    };
+    if let Some(output) = &args.output {
+        let bytes = take_blob(&mut result, &attached)?
+            .context("the result has no picture and no array to save")?;
+        std::fs::write(output, &bytes)
+            .with_context(|| format!("cannot write {}", output.display()))?;
+        eprintln!("{} ({} bytes)", output.display(), bytes.len());
+    }
+    println!("{}", serde_json::to_string_pretty(&result)?);
+    Ok(())
+}
+
+impl CallArgs {
+    fn params(&self) -> anyhow::Result<Value> {
+        let text = match self.params.as_str() {
+            "-" => {
+                let mut text = String::new();
+                std::io::stdin()
+                    .read_to_string(&mut text)
+                    .context("cannot read standard input")?;
+                text
+            }
+            params => match params.strip_prefix('@') {
+                Some(file) => {
+                    std::fs::read_to_string(file).with_context(|| format!("cannot read {file}"))?
+                }
+                None => params.to_owned(),
+            },
+        };
+        serde_json::from_str(&text).with_context(|| format!("the parameters are not JSON: {text}"))
+    }
+}
+
+/// The content of the first blob in `value`, whose data is then gone from it.
+fn take_blob(value: &mut Value, attached: &[u8]) -> anyhow::Result<Option<Vec<u8>>> {
+    if value.get("encoding").is_some() {
+        let blob: Blob = serde_json::from_value(value.clone())
+            .context("the server sent a blob that cannot be read")?;
+        let bytes = blob.bytes(attached)?.into_owned();
+        if let Some(members) = value.as_object_mut() {
+            members.remove("data");
+        }
+        return Ok(Some(bytes));
+    }
+    let inner: Vec<&mut Value> = match value {
+        Value::Object(members) => members.values_mut().collect(),
+        Value::Array(items) => items.iter_mut().collect(),
+        _ => Vec::new(),
+    };
+    for inner in inner {
+        if let Some(bytes) = take_blob(inner, attached)? {
+            return Ok(Some(bytes));
+        }
+    }
+    Ok(None)
+}

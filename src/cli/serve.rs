@@ -1,0 +1,69 @@
+//! `rigd serve`.
+
+use super::{RendererArgs, local};
+use crate::formats::Source;
+use crate::server::{Patience, Server};
+use crate::service::Service;
+use anyhow::Context;
+use clap::Args;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
+use std::io::Write;
+use std::path::PathBuf;
+
+#[derive(Args, Clone)]
+pub(super) struct ServeArgs {
+    /// Files of a rig to load before listening, in any order
+    pub(super) files: Vec<String>,
+    /// Address to listen on; port 0 lets the system choose
+    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:7443")]
+    listen: String,
+    /// Folder below which requests may name files; without it they bring their files along
+    #[arg(long, value_name = "DIR")]
+    root: Option<PathBuf>,
+    #[command(flatten)]
+    renderer: RendererArgs,
+}
+
+/// Exit code of a process that a second Ctrl-C ended, as shells count it.
+const INTERRUPTED: i32 = 130;
+
+pub(super) fn run(args: &ServeArgs) -> anyhow::Result<()> {
+    // Before anything slow, so that a stop asked for meanwhile is heard.
+    let mut signals = Signals::new([SIGTERM, SIGINT]).context("cannot listen for signals")?;
+    let source = match &args.root {
+        Some(folder) => Source::rooted(folder)
+            .with_context(|| format!("cannot open the root folder {}", folder.display()))?,
+        None => Source::inline_only(),
+    };
+    let engine = args.renderer.open()?;
+    let loaded = local::load(&engine, &args.files)?;
+    let adapter = engine.adapter().to_string();
+    let service = Service::new(engine, source);
+    let server = Server::bind(&args.listen, service, Patience::default())
+        .with_context(|| format!("cannot listen on {}", args.listen))?;
+    let address = server.address()?;
+    if !address.ip().is_loopback() {
+        eprintln!(
+            "warning: {address} can be reached from other machines, and whoever reaches it may load and draw rigs"
+        );
+    }
+    let stopper = server.stopper()?;
+    std::thread::spawn(move || {
+        let mut asked = signals.forever();
+        if asked.next().is_some() {
+            eprintln!("rigd: stopping; requests in hand are answered first");
+            stopper.stop();
+        }
+        if asked.next().is_some() {
+            std::process::exit(INTERRUPTED);
+        }
+    });
+    // On its own line and flushed, so that a script can wait for it and read the port.
+    println!("rigd {} listening on {address}", env!("CARGO_PKG_VERSION"));
+    println!("rig `{}` loaded, drawing with {adapter}", loaded.name);
+    // A script that has read what it wanted may have closed its end.
+    let _ = std::io::stdout().flush();
+    server.run()?;
+    Ok(())
+}
