@@ -131,7 +131,7 @@ macro_rules! bones {
 /// Middle joints, then an arm, then a leg; in depth-first order.
 #[rustfmt::skip]
 const BONES: [Bone; 15] = bones! {
-    pelvis < none at [0.0, 0.890, 0.0] box [-0.15, -0.10, -0.10] [0.15, 0.07, 0.09]
+    pelvis < none at [0.0, 0.888, 0.0] box [-0.15, -0.10, -0.10] [0.15, 0.07, 0.09]
         lim [-60.0, 60.0] [-180.0, 180.0] [-60.0, 60.0] bind [0.0; 3]
         pose [0.0, 4.0, 4.0] [0.0; 3];
     spine < pelvis at [0.0, 0.085, -0.01] box [-0.12, 0.0, -0.07] [0.12, 0.14, 0.09]
@@ -168,13 +168,13 @@ const BONES: [Bone; 15] = bones! {
 
     thigh < pelvis at [0.09, -0.035, 0.0] box [-0.08, -0.39, -0.085] [0.08, 0.0, 0.085]
         lim [-118.0, 25.0] [-40.0, 45.0] [-25.0, 48.0] bind [0.0, 0.0, 4.0]
-        pose [-1.0, 4.0, -5.5] [-15.0, -18.0, -8.0];
+        pose [-1.0, 4.0, -5.5] [-13.5, -18.0, -8.0];
     shin < thigh at [0.0, -0.395, 0.0] box [-0.055, -0.385, -0.065] [0.055, 0.0, 0.06]
         lim [0.0, 145.0] [0.0, 0.0] [0.0, 0.0] bind [2.0, 0.0, 0.0]
-        pose [3.0, 0.0, 0.0] [21.0, 0.0, 0.0];
+        pose [3.0, 0.0, 0.0] [19.0, 0.0, 0.0];
     foot < shin at [0.0, -0.385, -0.004] box [-0.045, -0.08, -0.06] [0.05, 0.03, 0.115]
         lim [-30.0, 48.0] [-20.0, 20.0] [-22.0, 22.0] bind [-2.0, 7.0, -4.0]
-        pose [-2.0, 4.0, 1.5] [-6.0, -6.0, 4.0];
+        pose [-2.0, 4.0, 1.5] [-5.5, -6.0, 4.0];
     toes < foot at [0.004, -0.058, 0.112] box [-0.045, -0.022, 0.0] [0.04, 0.03, 0.08]
         lim [-60.0, 30.0] [0.0, 0.0] [0.0, 0.0] bind [0.0; 3]
         pose [0.0; 3] [0.0; 3];
@@ -357,7 +357,7 @@ fn loft(s: f64, u: f64, v: f64, rows: &[[f64; 5]], k: f64) -> f64 {
 // ------------------------------------------------------------- the body
 
 /// Height of the modelled trunk above the written figure, and size of the head.
-const DROP: f64 = 0.055;
+const DROP: f64 = 0.057;
 const HEAD_SCALE: f64 = 1.09;
 
 /// The body in its bind pose.  Every part is described in the frame of its
@@ -405,10 +405,10 @@ impl Body {
         let throat = bone(p, [0.0, 1.40, -0.028], [0.0, 1.57, 0.0], 0.054, 0.049);
         let cord = bone(p, [0.014, 1.445, 0.024], [0.052, 1.545, -0.012], 0.011, 0.014);
         // Shirt collar: a tilted ring.
-        let q = sub(p, [0.0, 1.449, -0.013]);
+        let q = sub(p, [0.0, 1.450, -0.010]);
         let h = q[1] + 0.30 * q[2];
-        let ring = (q[0] * q[0] + q[2] * q[2] * 0.94).sqrt() - 0.0650;
-        let collar = (ring * ring + 0.45 * h * h).sqrt() - 0.0110;
+        let ring = (q[0] * q[0] + q[2] * q[2] * 0.94).sqrt() - 0.0690;
+        let collar = (ring * ring + 0.40 * h * h).sqrt() - 0.0145;
         join(join(throat, cord, 0.02), collar, 0.006)
     }
 
@@ -460,7 +460,7 @@ impl Body {
 
     /// Short hair: a cap with a hairline, and locks swept back from the brow.
     fn hair(&self, h: V) -> f64 {
-        let cap = ellipsoid(h, [0.0, 0.142, -0.012], [0.0895, 0.0990, 0.1030]);
+        let cap = ellipsoid(h, [0.0, 0.142, -0.012], [0.0895, 0.1110, 0.1030]);
         let nape = ellipsoid(h, [0.0, 0.072, -0.052], [0.064, 0.060, 0.044]);
         let cap = join(cap, nape, 0.03);
         // Cut out the oval of the face, the ear, and what hangs below.
@@ -470,10 +470,10 @@ impl Body {
         let edge = 0.080 + (1.05 * (h[2] + 0.012)).clamp(-0.058, 0.0) - h[1];
         let mut d = carve(meet(cap, edge * 0.75, 0.010), join(face, ear, 0.006), 0.010);
         for (a, b, c, ra, rb) in [
-            ([0.009, 0.204, 0.094], [0.013, 0.238, 0.048], [0.014, 0.236, -0.040], 0.0140, 0.0185),
+            ([0.009, 0.204, 0.094], [0.013, 0.239, 0.044], [0.014, 0.230, -0.050], 0.0140, 0.0185),
             ([0.031, 0.193, 0.085], [0.042, 0.222, 0.038], [0.045, 0.222, -0.040], 0.0130, 0.0170),
             ([0.056, 0.170, 0.064], [0.067, 0.190, 0.028], [0.070, 0.192, -0.038], 0.0110, 0.0155),
-            ([0.014, 0.234, -0.040], [0.016, 0.204, -0.086], [0.016, 0.120, -0.100], 0.0180, 0.0135),
+            ([0.014, 0.230, -0.050], [0.016, 0.196, -0.088], [0.016, 0.120, -0.100], 0.0180, 0.0135),
             ([0.045, 0.220, -0.040], [0.046, 0.190, -0.078], [0.043, 0.105, -0.086], 0.0165, 0.0130),
             ([0.070, 0.190, -0.038], [0.073, 0.160, -0.056], [0.062, 0.085, -0.064], 0.0150, 0.0110),
         ] {
@@ -544,7 +544,7 @@ impl Body {
     }
 
     fn hand(&self, p: V) -> f64 {
-        join(join(self.palm(p), self.fingers(p), 0.004), self.thumb(p), 0.008)
+        join(join(self.palm(p), self.fingers(p), 0.006), self.thumb(p), 0.010)
     }
 
     /// Leg from hip to ankle, with the leg of the shorts and a sock.
@@ -567,12 +567,12 @@ impl Body {
             [0.19, 0.043, 0.047, 0.001, -0.012], [0.27, 0.033, 0.036, 0.0, -0.006],
             [0.33, 0.030, 0.033, 0.0, -0.003], [0.40, 0.032, 0.036, 0.0, -0.003],
         ], 0.015);
-        let cap = ellipsoid([x, y, z], [0.0, 0.002, 0.040], [0.024, 0.030, 0.016]);
+        let cap = ellipsoid([x, y, z], [0.0, 0.004, 0.036], [0.026, 0.034, 0.017]);
         let sock = loft(-y, x, z, &[
             [0.265, 0.0450, 0.0480, 0.0, -0.007], [0.290, 0.0430, 0.0460, 0.0, -0.005],
             [0.315, 0.0390, 0.0420, 0.0, -0.004], [0.39, 0.0390, 0.0430, 0.0, -0.003],
         ], 0.008);
-        let leg = join(join(thigh, shin, 0.02), cap, 0.02);
+        let leg = join(join(thigh, shin, 0.02), cap, 0.03);
         join(join(leg, sock, 0.005), shorts, 0.006)
     }
 
@@ -658,9 +658,11 @@ fn detail(body: &Body, p: V) -> f64 {
     let ear = near([0.085, 0.09, 0.0], 0.02, 0.045);
     let head = ramp(p[1], 1.44, 1.48);
     let hand = ramp(body.local(HAND, p)[0], -0.02, 0.03);
+    let sleeve = body.local(UPPER_ARM, p)[0];
+    let cuff = ramp(sleeve, 0.10, 0.14) * (1.0 - ramp(sleeve, 0.17, 0.20));
     let foot = 1.0 - ramp(p[1], 0.25, 0.35);
     let shoulder = 1.0 - ramp(ball(p, body.frames[UPPER_ARM].at, 0.0), 0.06, 0.12);
-    1.0 + 0.8 * head + 2.5 * face + 7.0 * eye + 5.0 * mouth + 2.0 * ear + 2.0 * hand + 0.8 * shoulder - 0.55 * foot
+    1.0 + 0.8 * head + 2.5 * face + 7.0 * eye + 5.0 * mouth + 2.0 * ear + 2.0 * hand + 0.8 * shoulder + 1.2 * cuff - 0.5 * foot
 }
 
 // -------------------------------------------------------------- meshing
@@ -999,9 +1001,14 @@ fn relax(body: &Body, mesh: &mut Mesh, normals: &[V]) {
         }
         let shift = sub(mul(sum, 1.0 / f64::max(count, 1.0)), *p);
         let along = sub(shift, mul(normals[v], dot(shift, normals[v])));
-        *p = body.project(add(*p, mul(along, pull)), 2);
-        if !border {
-            p[0] = p[0].max(1e-4);
+        let moved = body.project(add(*p, mul(along, pull)), 2);
+        // Stay put where the step would fold the surface over.
+        let folds = fans[v].iter().any(|&f| {
+            let corners = mesh.faces[f].map(|w| if w == v { moved } else { old[w] });
+            dot(shape(corners).0, normals[v]) < 0.1
+        });
+        if !folds && (border || moved[0] > 1e-4) {
+            *p = moved;
         }
     }
 }

@@ -1,0 +1,83 @@
+//! What several tests need: a service to ask, a server to connect to, an oracle to compare with. Each test file asks one question.
+
+// Every test file is a crate of its own and uses a part of this.
+#![allow(dead_code, reason = "each test uses a part")]
+
+pub mod oracle;
+pub mod pictures;
+pub mod server;
+
+use rigd::engine::{Engine, RendererChoice};
+use rigd::formats::{File, FileRef, Source};
+use rigd::limits::Limits;
+use rigd::protocol::{ErrorObject, Reply};
+use rigd::service::Service;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// The adapter that tests draw with: Vulkan's software driver, so that every machine sees the same pictures, or `RIGD_TEST_ADAPTER`.
+pub fn renderer() -> RendererChoice {
+    let wanted = std::env::var("RIGD_TEST_ADAPTER").unwrap_or_else(|_| "llvmpipe".to_owned());
+    let Ok(adapter) = wanted.parse();
+    RendererChoice { adapter, require_gpu: false }
+}
+
+/// A renderer of its own, named in the test's log.
+pub fn engine(limits: Limits) -> Engine {
+    let engine = Engine::open(renderer(), limits)
+        .expect("a graphics adapter; `make setup` installs a software one");
+    println!("drawing with {}", engine.adapter());
+    engine
+}
+
+/// A service with the built-in figure loaded as `figure`.
+pub fn service() -> Arc<Service> {
+    service_with(Limits::default(), Source::inline_only())
+}
+
+pub fn service_with(limits: Limits, source: Source) -> Arc<Service> {
+    let engine = engine(limits);
+    engine.load(None, &figure(), &Source::inline_only(), false).expect("the built-in figure loads");
+    Service::new(engine, source)
+}
+
+/// The files of the built-in figure.
+pub fn figure() -> Vec<FileRef> {
+    let file = |name: &str, bytes: &[u8]| FileRef::Inline(File { name: name.to_owned(), bytes: bytes.into() });
+    vec![
+        file("figure.skel", include_bytes!("../../assets/figure.skel")),
+        file("figure.skin", include_bytes!("../../assets/figure.skin")),
+    ]
+}
+
+/// Where real rigs lie, which the project may not ship. `None`, and a line in the log, where they are absent.
+pub fn real_rigs() -> Option<PathBuf> {
+    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/rigs"));
+    if !folder.is_dir() {
+        println!("SKIPPED: no real rigs in {}", folder.display());
+        return None;
+    }
+    Some(folder)
+}
+
+/// A request's result, or its error; whatever was attached is dropped.
+pub fn ask(service: &Arc<Service>, method: &str, params: Value) -> Result<Value, ErrorObject> {
+    let request = json!({"jsonrpc": "2.0", "id": 1, "method": method, "params": params});
+    let reply = service.answer(request.to_string().as_bytes(), Vec::new()).expect("a request is answered");
+    let outcome = Reply::parse(&reply.line).expect("a reply").outcome?;
+    Ok(serde_json::from_str(outcome.get()).expect("JSON"))
+}
+
+/// As [`ask`], for what is meant to succeed.
+pub fn ask_ok(service: &Arc<Service>, method: &str, params: Value) -> Value {
+    ask(service, method, params).unwrap_or_else(|error| panic!("{method}: {error}"))
+}
+
+/// The `kind` of the error of what is meant to fail.
+pub fn ask_kind(service: &Arc<Service>, method: &str, params: Value) -> String {
+    match ask(service, method, params) {
+        Ok(result) => panic!("{method} succeeded with {result}"),
+        Err(error) => error.data.kind,
+    }
+}
