@@ -405,10 +405,10 @@ impl Body {
         let throat = bone(p, [0.0, 1.40, -0.028], [0.0, 1.57, 0.0], 0.054, 0.049);
         let cord = bone(p, [0.014, 1.445, 0.024], [0.052, 1.545, -0.012], 0.011, 0.014);
         // Shirt collar: a tilted ring.
-        let q = sub(p, [0.0, 1.450, -0.010]);
-        let h = q[1] + 0.30 * q[2];
-        let ring = (q[0] * q[0] + q[2] * q[2] * 0.94).sqrt() - 0.0690;
-        let collar = (ring * ring + 0.40 * h * h).sqrt() - 0.0145;
+        let q = sub(p, [0.0, 1.449, -0.013]);
+        let h = q[1] + 0.23 * q[2];
+        let ring = (q[0] * q[0] + q[2] * q[2] * 0.94).sqrt() - 0.0655;
+        let collar = (ring * ring + 0.42 * h * h).sqrt() - 0.0130;
         join(join(throat, cord, 0.02), collar, 0.006)
     }
 
@@ -466,7 +466,7 @@ impl Body {
         // Cut out the oval of the face, the ear, and what hangs below.
         let oval = ellipsoid([h[0], h[1], 0.0], [0.0, 0.072, 0.0], [0.0710, 0.0990, 1.0]);
         let face = meet(oval, 0.012 - h[2], 0.012);
-        let ear = ellipsoid(h, [0.0880, 0.084, -0.004], [0.028, 0.039, 0.025]);
+        let ear = ellipsoid(h, [0.0880, 0.082, 0.006], [0.028, 0.036, 0.023]);
         let edge = 0.080 + (1.05 * (h[2] + 0.012)).clamp(-0.058, 0.0) - h[1];
         let mut d = carve(meet(cap, edge * 0.75, 0.010), join(face, ear, 0.006), 0.010);
         for (a, b, c, ra, rb) in [
@@ -544,7 +544,7 @@ impl Body {
     }
 
     fn hand(&self, p: V) -> f64 {
-        join(join(self.palm(p), self.fingers(p), 0.006), self.thumb(p), 0.010)
+        join(join(self.palm(p), self.fingers(p), 0.006), self.thumb(p), 0.014)
     }
 
     /// Leg from hip to ankle, with the leg of the shorts and a sock.
@@ -660,9 +660,12 @@ fn detail(body: &Body, p: V) -> f64 {
     let hand = ramp(body.local(HAND, p)[0], -0.02, 0.03);
     let sleeve = body.local(UPPER_ARM, p)[0];
     let cuff = ramp(sleeve, 0.10, 0.14) * (1.0 - ramp(sleeve, 0.17, 0.20));
+    let band = |at: f64, size: f64| 1.0 - ramp((p[1] + DROP - at).abs(), 0.5 * size, size);
+    let collar = band(1.45, 0.06) * (1.0 - ramp(p[0], 0.07, 0.10));
+    let hem = band(0.962, 0.04) * (1.0 - ramp(p[0], 0.20, 0.24));
     let foot = 1.0 - ramp(p[1], 0.25, 0.35);
     let shoulder = 1.0 - ramp(ball(p, body.frames[UPPER_ARM].at, 0.0), 0.06, 0.12);
-    1.0 + 0.8 * head + 2.5 * face + 7.0 * eye + 5.0 * mouth + 2.0 * ear + 2.0 * hand + 0.8 * shoulder + 1.2 * cuff - 0.5 * foot
+    1.0 + 0.8 * head + 3.6 * face + 10.0 * eye + 5.0 * mouth + 2.5 * ear + 2.0 * hand + 0.8 * shoulder + 1.0 * cuff + 0.8 * collar + 0.6 * hem - 0.62 * foot
 }
 
 // -------------------------------------------------------------- meshing
@@ -930,8 +933,7 @@ fn thin(body: &Body, mesh: &mut Mesh, target: usize) {
     let mut index = vec![usize::MAX; n];
     let mut points = Vec::new();
     let mut faces = Vec::new();
-    for (f, face) in mesh.faces.iter().enumerate().filter(|(f, _)| !dead[*f]) {
-        let _ = f;
+    for (face, _) in mesh.faces.iter().zip(&dead).filter(|(_, dead)| !**dead) {
         faces.push(face.map(|v| {
             if index[v] == usize::MAX {
                 index[v] = points.len();
@@ -1004,8 +1006,12 @@ fn relax(body: &Body, mesh: &mut Mesh, normals: &[V]) {
         let moved = body.project(add(*p, mul(along, pull)), 2);
         // Stay put where the step would fold the surface over.
         let folds = fans[v].iter().any(|&f| {
-            let corners = mesh.faces[f].map(|w| if w == v { moved } else { old[w] });
-            dot(shape(corners).0, normals[v]) < 0.1
+            let face = mesh.faces[f];
+            let facing = |at: V| {
+                let corners = face.map(|w| if w == v { at } else { old[w] });
+                dot(shape(corners).0, normals[v])
+            };
+            facing(moved) < facing(old[v]).min(0.0)
         });
         if !folds && (border || moved[0] > 1e-4) {
             *p = moved;
@@ -1039,7 +1045,7 @@ fn half_surface(body: &Body) -> (Mesh, Vec<V>) {
         };
         (0..m.points.len()).map(of).collect()
     };
-    for _ in 0..4 {
+    for _ in 0..6 {
         let n = normals(&mesh);
         flip(body, &mut mesh, &n);
         relax(body, &mut mesh, &n);

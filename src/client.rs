@@ -280,7 +280,10 @@ mod tests {
                 stream.write_all(&answer(request, attached)).unwrap();
             }
         });
-        (Client::connect(address).unwrap(), server)
+        let mut client = Client::connect(address).unwrap();
+        // A client that waits for what never comes is to fail its test and not to hang it.
+        client.set_timeout(Some(Duration::from_secs(20))).unwrap();
+        (client, server)
     }
 
     fn id(request: &Request) -> &Id {

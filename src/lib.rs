@@ -1,5 +1,53 @@
-//! rigd
+//! The code map of `rigd`, a daemon that keeps character rigs loaded, poses and skins them, and answers with pictures and vertices.
+//!
+//! # Rooms and arrows
+//! A room may name the rooms to its right and no other; `tests/map.rs` holds the source against this table.
+//!
+//! | room | may name | what lives there |
+//! |---|---|---|
+//! | [`cli`] | [`server`] [`service`] [`engine`] [`client`] [`protocol`] [`formats`] [`limits`] | `serve`, `render`, `inspect`, `call`, `doctor`, `openrpc` |
+//! | [`server`] | [`service`] [`limits`] | listener, connections, bounded lines, shutdown; knows no method |
+//! | [`client`] | [`protocol`] | a typed blocking client |
+//! | [`service`] | [`protocol`] [`engine`] [`rig`] [`formats`] [`scene`] [`pose`] [`frame`] [`encode`] [`limits`] | a line in, a line out; one file for each family of methods |
+//! | [`engine`] | [`rig`] [`formats`] [`pose`] [`scene`] [`frame`] [`render`] [`encode`] [`limits`] | the use-cases in plain types; the store of rigs; the one thread that owns the renderer |
+//! | [`render`] | [`rig`] [`pose`] [`scene`] [`frame`] [`limits`] | a plan and two renderers of it, [`render::gpu`] and [`render::cpu`], which never name each other |
+//! | [`encode`] | [`frame`] | from frames to PNG, and the threads that do it |
+//! | [`formats`] | [`rig`] [`limits`] | files to rigs, and where files come from |
+//! | [`pose`] | [`rig`] | joint angles, limits, forward kinematics, the skinning palette |
+//! | [`frame`] | [`scene`] | what came out of a renderer |
+//! | [`scene`] | [`limits`] | what to draw: cameras, lights, surfaces |
+//! | [`rig`] | [`limits`] | the format-free character, valid by construction |
+//! | [`protocol`] | | wire types, error kinds, the OpenRPC document |
+//! | [`limits`] | | every ceiling, with unit and reason |
+//!
+//! # Homes of what comes from outside
+//! | crate | rooms |
+//! |---|---|
+//! | `wgpu` `pollster` | [`render::gpu`] |
+//! | `bytemuck` | [`render::gpu`] [`render`] [`rig`] [`pose`] |
+//! | `rayon` `image` | [`encode`] |
+//! | `cap_std` `sha2` | [`formats`] |
+//! | `serde_path_to_error` `strsim` `schemars` `base64` | [`protocol`] |
+//! | `serde` `serde_json` | [`protocol`] [`service`] [`client`] [`cli`] |
+//! | `memory_stats` | [`service`] |
+//! | `clap` `anyhow` `signal_hook` | [`cli`] |
+//! | `std::net` | [`server`] [`client`] |
+//! | `std::fs` | [`formats`] [`cli`] |
+//! | `libm` | [`pose`] [`scene`] |
+//!
+//! `glam` and `thiserror` are at home everywhere.
+//!
+//! # What holds everywhere
+//! - A [`rig::Rig`] exists only if [`rig::Draft::build`] accepted it: parents before children, indices in range, numbers finite. A
+//!   [`pose::Posed`] exists only if no vertex of it can overflow. Later rooms check neither again.
+//! - Readers of files need no GPU and no file system; the GPU needs no reader.
+//! - Influences of a vertex, joints and meshes are bounded by [`limits`] and memory alone, never by the width of a vertex format.
+//! - The renderer's thread never parses, compresses or touches a socket. Nothing unbounded is ever kept for a client.
+//! - An accepted request is answered exactly once, also when the device is lost, a client vanishes or the server stops.
+//! - Skinning happens once for a pose, into one buffer that pictures and queries read: both are of the same pose.
+
 #![forbid(unsafe_code)]
+
 pub mod cli;
 pub mod client;
 pub mod encode;

@@ -31,8 +31,8 @@ pub enum EngineError {
     /// A name or number in a pose or query that the rig has no use for.
     #[error("{problem}")]
     NoSuchPart { field: String, problem: String },
-    #[error(transparent)]
-    Render(#[from] RenderError),
+    #[error("the graphics device was lost: {reason}")]
+    DeviceLost { reason: String },
     #[error(transparent)]
     Adapter(#[from] AdapterError),
     #[error("the deadline passed before the work was done")]
@@ -50,6 +50,27 @@ impl From<SizeError> for EngineError {
         match error {
             SizeError::Scene(error) => Self::Scene(error),
             SizeError::Limit(error) => Self::Limit(error),
+        }
+    }
+}
+
+impl From<RenderError> for EngineError {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::DeviceLost { reason } => Self::DeviceLost { reason },
+            RenderError::Limit(exceeded) => Self::Limit(exceeded),
+            RenderError::OutOfMemory { .. } | RenderError::Refused { .. } => Self::Internal {
+                reason: error.to_string(),
+            },
+        }
+    }
+}
+
+impl EngineError {
+    /// A renderer that answered another question than it was asked.
+    pub(super) fn mismatched() -> Self {
+        Self::Internal {
+            reason: "the renderer answered with something else".to_owned(),
         }
     }
 }

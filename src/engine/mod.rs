@@ -5,18 +5,20 @@ mod error;
 mod store;
 mod worker;
 
-pub use crate::render::gpu::adapters;
+pub use crate::render::gpu::{AdapterChoice, AdapterInfo, AdapterKind, adapters};
 pub use admission::{Admission, HeldBytes, Ticket};
 pub use error::EngineError;
 pub use store::{LoadedRig, RigRef};
-pub use worker::{Answered, Timings, Urgency};
+pub use worker::{Timings, Urgency};
 
-use crate::encode::{self, Pool};
+use crate::encode::Pool;
 use crate::formats::{self, FileRef, Source};
+use crate::frame::{Frame, SkinnedVertices};
 use crate::limits::Limits;
 use crate::pose::{Clamped, Pose, PoseEdit, Posed};
-use crate::render::Plan;
-use crate::render::gpu::{AdapterChoice, AdapterInfo, Capabilities};
+use crate::render::gpu::Capabilities;
+use crate::render::{Outputs, Plan};
+use crate::scene::{Scene, Shape, VertexQuery};
 use std::sync::Arc;
 use store::Store;
 use worker::{Job, Worker};
@@ -27,6 +29,14 @@ pub struct RendererChoice {
     pub adapter: AdapterChoice,
     /// Refuse drivers that draw on the CPU.
     pub require_gpu: bool,
+}
+
+/// On what terms a job is taken on.
+#[derive(Debug)]
+pub struct Terms {
+    pub urgency: Urgency,
+    /// Held until the job is answered.
+    pub ticket: Ticket,
 }
 
 /// From which pose an edit starts.
@@ -178,26 +188,52 @@ impl Engine {
         Ok(())
     }
 
-    /// Has the renderer work on `plan`; `done` runs on a pool thread, exactly once, whatever happens.
-    pub fn run(&self, plan: Plan, urgency: Urgency, ticket: Ticket, done: Answered) {
-        self.worker.take(Job::new(plan, urgency, ticket, done));
+    /// Draws `posed`, a pose of `loaded`. `done` runs on a pool thread, exactly once, whatever happens.
+    pub fn render(
+        &self,
+        loaded: &LoadedRig,
+        posed: Arc<Posed>,
+        scene: Scene,
+        terms: Terms,
+        done: impl FnOnce(Result<(Frame, Timings), EngineError>) + Send + 'static,
+    ) {
+        let plan = Plan::picture(posed, scene, loaded.rest_bounds.size());
+        self.run(plan, terms, move |result| {
+            done(result.and_then(|(outputs, timings)| match outputs {
+                Outputs::Picture(frame) => Ok((frame, timings)),
+                Outputs::Vertices(_) => Err(EngineError::mismatched()),
+            }));
+        });
     }
 
-    /// As [`Engine::run`], and waits.
-    ///
-    /// # Errors
-    /// As rendering has them.
-    pub fn run_and_wait(&self, plan: Plan) -> Result<crate::render::Outputs, EngineError> {
-        let (sender, receiver) = std::sync::mpsc::channel();
-        let ticket = self.admission.admit()?;
-        let done: Answered = Box::new(move |result| {
-            let _ = sender.send(result);
-        });
-        self.run(plan, Urgency::default(), ticket, done);
-        let gone = |_| EngineError::Internal {
-            reason: "the renderer is gone".to_owned(),
-        };
-        receiver.recv().map_err(gone)?.map(|(outputs, _)| outputs)
+    /// Skins `posed` and copies out what `queries` ask for, all of it inside its meshes. `done` as for [`Engine::render`].
+    pub fn vertices(
+        &self,
+        posed: Arc<Posed>,
+        shape: Shape,
+        queries: Vec<VertexQuery>,
+        terms: Terms,
+        done: impl FnOnce(Result<(Vec<SkinnedVertices>, Timings), EngineError>) + Send + 'static,
+    ) {
+        self.run(
+            Plan::vertices(posed, shape, queries),
+            terms,
+            move |result| {
+                done(result.and_then(|(outputs, timings)| match outputs {
+                    Outputs::Vertices(vertices) => Ok((vertices, timings)),
+                    Outputs::Picture(_) => Err(EngineError::mismatched()),
+                }));
+            },
+        );
+    }
+
+    fn run(
+        &self,
+        plan: Plan,
+        terms: Terms,
+        done: impl FnOnce(Result<(Outputs, Timings), EngineError>) + Send + 'static,
+    ) {
+        self.worker.take(Job::new(plan, terms, Box::new(done)));
     }
 
     /// Destroys the device, to see what a driver's crash would do.
@@ -205,17 +241,4 @@ impl Engine {
     pub fn lose_device(&self) {
         self.worker.lose_device();
     }
-}
-
-/// A PNG of a frame.
-///
-/// # Errors
-/// [`EngineError::Internal`].
-pub fn encode_png(
-    frame: &crate::frame::Frame,
-    compression: encode::Compression,
-) -> Result<Vec<u8>, EngineError> {
-    encode::png(frame, compression).map_err(|error| EngineError::Internal {
-        reason: error.to_string(),
-    })
 }

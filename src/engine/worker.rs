@@ -1,6 +1,6 @@
 //! The one thread that owns the renderer. It takes what waits, keeps a few plans in flight, and hands results to the pool.
 
-use super::{EngineError, RendererChoice, Ticket};
+use super::{EngineError, RendererChoice, Terms, Ticket};
 use crate::encode::Pool;
 use crate::render::gpu::{AdapterError, AdapterInfo, Capabilities, Gpu, InFlight};
 use crate::render::{Outputs, Plan, RenderError};
@@ -13,7 +13,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// How a job's outputs, or what kept it from having any, reach whoever asked.
-pub type Answered = Box<dyn FnOnce(Result<(Outputs, Timings), EngineError>) + Send>;
+pub(super) type Answered = Box<dyn FnOnce(Result<(Outputs, Timings), EngineError>) + Send>;
 
 /// What a job's time went into.
 #[derive(Debug, Clone, Copy, Default)]
@@ -76,7 +76,8 @@ impl Drop for Reply {
 }
 
 impl Job {
-    pub fn new(plan: Plan, urgency: Urgency, ticket: Ticket, done: Answered) -> Self {
+    pub fn new(plan: Plan, terms: Terms, done: Answered) -> Self {
+        let Terms { urgency, ticket } = terms;
         let reply = Reply {
             done: Some(done),
             _ticket: ticket,

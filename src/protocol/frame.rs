@@ -160,10 +160,10 @@ words! {
 
     /// How hard to compress.
     Compression {
-        /// Soonest done.
+        /// Soonest done; this is what a request that says nothing gets.
+        #[default]
         Fast,
         /// A fair trade.
-        #[default]
         Default,
         /// Smallest.
         Best,

@@ -7,4 +7,4 @@ mod outputs;
 mod plan;
 
 pub use outputs::{Outputs, RenderError};
-pub use plan::{Instance, Picture, Plan, Segment, Shape, VertexQuery, Wanted};
+pub use plan::{Instance, Picture, Plan, Segment, Wanted};

@@ -15,7 +15,7 @@
 
 use crate::pose::{Palette, Posed};
 use crate::rig::Rig;
-use crate::scene::{Scene, ShowSkeleton, ShowSkin};
+use crate::scene::{Scene, Shape, ShowSkeleton, ShowSkin, VertexQuery};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -31,14 +31,6 @@ pub struct Plan {
 pub struct Instance {
     pub posed: Arc<Posed>,
     pub shape: Shape,
-}
-
-/// Which form of a rig's skin.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shape {
-    Posed,
-    /// As it was modelled, whatever the pose.
-    Bind,
 }
 
 /// What a plan is for.
@@ -71,16 +63,6 @@ impl Picture {
         };
         (1e-4 * size * size) as f32
     }
-}
-
-/// A range of one mesh's vertices, inside the mesh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct VertexQuery {
-    pub mesh: usize,
-    pub start: usize,
-    pub count: usize,
-    pub positions: bool,
-    pub normals: bool,
 }
 
 /// A line of constant width in pixels, its ends round enough to be a dot where they coincide.

@@ -63,17 +63,17 @@ impl Light {
         })
     }
 
-    /// A warm key light from the upper left front and a cool fill from the right, behind.
+    /// A warm key light from the upper left front and a cool fill from the right, for a rig that faces +Z.
     pub fn default_pair() -> Vec<Self> {
-        let toward = |x, y, z| Vec3::new(x, y, z).normalize_or(Vec3::NEG_Y);
+        let travelling = |x, y, z| Vec3::new(x, y, z).normalize_or(Vec3::NEG_Y);
         vec![
             Self::Directional {
-                direction: toward(0.35, -0.75, -0.85),
-                radiance: Vec3::new(1.0, 0.90, 0.76) * 1.05,
+                direction: travelling(0.7, -0.65, -0.6),
+                radiance: Vec3::new(1.0, 0.87, 0.70) * 1.7,
             },
             Self::Directional {
-                direction: toward(-0.95, -0.15, 0.35),
-                radiance: Vec3::new(0.45, 0.62, 1.0) * 0.75,
+                direction: travelling(-0.9, -0.05, -0.1),
+                radiance: Vec3::new(0.36, 0.56, 1.0) * 0.9,
             },
         ]
     }

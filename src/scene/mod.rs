@@ -4,10 +4,12 @@
 mod bounds;
 mod camera;
 mod light;
+mod query;
 
 pub use bounds::Bounds;
 pub use camera::{Camera, LookAt, Near, Orbit, Pinhole, Projection};
 pub use light::{Falloff, Light};
+pub use query::{Shape, VertexQuery};
 
 use crate::limits::{LimitExceeded, Limits};
 use glam::{Vec3, Vec4};
@@ -131,7 +133,7 @@ impl Default for Background {
     /// A dark slate, so that both a warm and a cool light stand out against it.
     fn default() -> Self {
         Self {
-            color: Color::constant(0.030, 0.036, 0.048),
+            color: Color::constant(0.012, 0.016, 0.024),
             alpha: 1.0,
         }
     }
@@ -169,9 +171,9 @@ impl Surface {
 impl Default for Surface {
     fn default() -> Self {
         Self {
-            diffuse: Color::constant(0.64, 0.58, 0.52),
-            specular: Color::constant(0.22, 0.22, 0.22),
-            shininess: 40.0,
+            diffuse: Color::constant(0.60, 0.50, 0.42),
+            specular: Color::constant(0.14, 0.14, 0.14),
+            shininess: 32.0,
         }
     }
 }
@@ -284,5 +286,5 @@ pub struct Scene {
 
 impl Scene {
     /// Light from everywhere where a request names none: enough to keep the shadow side readable.
-    pub const DEFAULT_AMBIENT: Color = Color::constant(0.05, 0.055, 0.07);
+    pub const DEFAULT_AMBIENT: Color = Color::constant(0.030, 0.035, 0.050);
 }

@@ -3,7 +3,6 @@
 use super::lines::{Lines, Next, Wait, is_timeout};
 use super::writer::{self, Queue};
 use super::{Place, Shared};
-use crate::protocol::Fault;
 use crate::service::{Conversation, Message};
 use std::io::Read;
 use std::net::{Shutdown, TcpStream};
@@ -74,19 +73,12 @@ fn read(shared: &Shared, stream: &TcpStream, queue: &Queue) {
         let message = match lines.next_line(&wait, &on_bytes) {
             Next::End => return,
             Next::TooLong => {
-                let (limit, maximum) = ("line_bytes".to_owned(), limits.line_bytes);
-                let fault = Fault::LimitExceeded {
-                    limit,
-                    maximum,
-                    asked: maximum + 1,
-                };
-                answer(
+                return answer(
                     &mut conversation,
                     queue,
-                    Message::unreadable(fault),
+                    Message::too_long(limits),
                     Vec::new(),
                 );
-                return;
             }
             Next::Line(line) if is_first && is_http(&line) => return,
             Next::Line(line) => Message::read(&line, Instant::now()),
@@ -95,12 +87,7 @@ fn read(shared: &Shared, stream: &TcpStream, queue: &Queue) {
         let attached = match message.attach_bytes() {
             Some(0) => Vec::new(),
             Some(asked) if asked > limits.attachment_bytes => {
-                let (limit, maximum) = ("attachment_bytes".to_owned(), limits.attachment_bytes);
-                let refused = message.refused(Fault::LimitExceeded {
-                    limit,
-                    maximum,
-                    asked,
-                });
+                let refused = message.attaching_too_much(limits);
                 return answer(&mut conversation, queue, refused, Vec::new());
             }
             Some(count) => match lines.next_bytes(count as usize, &wait, &on_bytes) {

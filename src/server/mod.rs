@@ -6,6 +6,7 @@ mod lines;
 mod writer;
 
 use crate::service::Service;
+use std::collections::VecDeque;
 use std::io;
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -93,20 +94,20 @@ impl Server {
     /// # Errors
     /// Where the listener can no longer accept anybody.
     pub fn run(self) -> io::Result<()> {
-        let mut open: Vec<JoinHandle<()>> = Vec::new();
+        let mut open = Open::default();
         while !self.shared.is_stopping() {
             match self.listener.accept() {
-                Ok((stream, _)) => open.extend(self.shared.serve(stream)),
+                Ok((stream, _)) => self.shared.serve(stream, &mut open),
                 Err(error) => pause_after(&error)?,
             }
-            open.retain(|thread| !thread.is_finished());
+            open.clear();
         }
         // Whoever had connected before the stop may have sent something already.
         self.listener.set_nonblocking(true)?;
         while let Ok((stream, _)) = self.listener.accept() {
-            open.extend(self.shared.serve(stream));
+            self.shared.serve(stream, &mut open);
         }
-        for thread in open {
+        for thread in open.threads {
             // A connection's panic has ended that connection alone.
             let _ = thread.join();
         }
@@ -173,20 +174,45 @@ impl Shared {
         asked.map(|asked| asked + self.patience.grace)
     }
 
-    /// The thread that reads a new connection; `None` where the connection was turned away.
-    fn serve(self: &Arc<Self>, stream: TcpStream) -> Option<JoinHandle<()>> {
+    /// Gives a new connection its threads, or turns it away.
+    fn serve(self: &Arc<Self>, stream: TcpStream, open: &mut Open) {
         let most = self.service.limits().connections;
         let place = Place::take(self);
         if place.number > most {
             writer::turn_away(&stream, most, place.number);
-            return None;
+            open.turned_away.push_back((Instant::now(), stream));
+            return;
         }
         let shared = Arc::clone(self);
         let work = move || connection::run(&shared, &stream, place);
-        std::thread::Builder::new()
+        let spawned = std::thread::Builder::new()
             .name("connection".to_owned())
-            .spawn(work)
-            .ok()
+            .spawn(work);
+        // Without a thread the connection is closed, which is all that can be done for it.
+        open.threads.extend(spawned.ok());
+    }
+}
+
+/// What is to be cleared away behind connections.
+#[derive(Default)]
+struct Open {
+    threads: Vec<JoinHandle<()>>,
+    /// Closed at once, their last line could be lost to a reset.
+    turned_away: VecDeque<(Instant, TcpStream)>,
+}
+
+impl Open {
+    /// Sockets that are kept for having been turned away.
+    const MOST_TURNED_AWAY: usize = 64;
+
+    fn clear(&mut self) {
+        self.threads.retain(|thread| !thread.is_finished());
+        let is_due = |(since, _): &(Instant, TcpStream)| since.elapsed() >= Duration::from_secs(1);
+        while self.turned_away.len() > Self::MOST_TURNED_AWAY
+            || self.turned_away.front().is_some_and(is_due)
+        {
+            self.turned_away.pop_front();
+        }
     }
 }
 

@@ -1,8 +1,7 @@
 //! The writing half of a connection: replies in the order of their requests.
 
 use super::Shared;
-use crate::protocol::{ErrorObject, Fault, Id, error_line};
-use crate::service::{Outgoing, Pending};
+use crate::service::{Outgoing, Pending, turned_away};
 use std::collections::VecDeque;
 use std::io::Write;
 use std::net::{Shutdown, TcpStream};
@@ -137,16 +136,10 @@ fn write(shared: &Shared, mut stream: &TcpStream, reply: &Outgoing) -> std::io::
     Ok(())
 }
 
-/// Tells a connection that there are too many, and closes it.
+/// Tells a client that it is one too many; its stream is to be kept a little, so that it can read that.
 pub(super) fn turn_away(mut stream: &TcpStream, maximum: u64, asked: u64) {
-    let fault = Fault::LimitExceeded {
-        limit: "connections".to_owned(),
-        maximum,
-        asked,
-    };
-    let line = error_line(&Id::Null, &ErrorObject::from(fault));
     // A peer that does not take one line in this time does without it: the listener has others to see to.
     let _ = stream.set_write_timeout(Some(TICK));
-    let _ = stream.write_all(&line);
+    let _ = stream.write_all(&turned_away(maximum, asked));
     let _ = stream.shutdown(Shutdown::Write);
 }

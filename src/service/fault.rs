@@ -4,7 +4,6 @@ use crate::engine::EngineError;
 use crate::formats::LoadError;
 use crate::limits::LimitExceeded;
 use crate::protocol::{Fault, InvalidRigFile};
-use crate::render::RenderError;
 use crate::scene::SceneError;
 
 impl From<EngineError> for Fault {
@@ -29,7 +28,7 @@ impl From<EngineError> for Fault {
                 found,
             }) => Self::invalid_params(field, format!("expected {expected}, but found {found}")),
             EngineError::NoSuchPart { field, problem } => Self::invalid_params(field, problem),
-            EngineError::Render(error) => error.into(),
+            EngineError::DeviceLost { .. } => Self::DeviceLost,
             EngineError::Adapter(error) => Self::Internal {
                 message: error.to_string(),
             },
@@ -53,18 +52,6 @@ impl From<LimitExceeded> for Fault {
             limit: limit.to_owned(),
             maximum,
             asked,
-        }
-    }
-}
-
-impl From<RenderError> for Fault {
-    fn from(error: RenderError) -> Self {
-        match error {
-            RenderError::DeviceLost { .. } => Self::DeviceLost,
-            RenderError::Limit(exceeded) => exceeded.into(),
-            RenderError::OutOfMemory { .. } | RenderError::Refused { .. } => Self::Internal {
-                message: error.to_string(),
-            },
         }
     }
 }

@@ -2,15 +2,13 @@
 
 use super::answer::Answer;
 use super::{Call, describe, fault};
-use crate::encode::Compression;
-use crate::engine::{self, EngineError, HeldBytes, RigRef, Timings};
+use crate::encode::{self, Compression};
+use crate::engine::{EngineError, HeldBytes, Terms, Timings};
 use crate::frame::Frame;
-use crate::pose::Posed;
 use crate::protocol::blob::{Blob, Picture};
 use crate::protocol::camera as wire_camera;
 use crate::protocol::frame as wire;
 use crate::protocol::{Attachments, Fault};
-use crate::render::{Outputs, Plan};
 use crate::scene::{
     Background, Bounds, Camera, Color, Falloff, Light, LookAt, Near, Orbit, Pinhole, Samples,
     Scene, Show, ShowNormals, ShowSkeleton, ShowSkin, Size, Surface,
@@ -52,23 +50,27 @@ impl Call<'_> {
             compression: params.compression,
             transport: params.transport,
         };
-        let plan = picture_plan(posed, scene, &found);
         let Some(answer) = answer.take() else {
             return Ok(());
         };
         let stats = Arc::clone(&self.service.stats);
-        let done = move |result: Result<(Outputs, Timings), EngineError>| match result {
-            Ok((Outputs::Picture(frame), timings)) => {
-                stats.rendered(1, reply.vertices, timings.render);
-                reply.send(answer, &frame, timings, held);
-            }
-            Ok((Outputs::Vertices(_), _)) => answer.fail(Fault::Internal {
-                message: "vertices in place of a picture".to_owned(),
-            }),
-            Err(error) => answer.fail(error.into()),
+        let terms = Terms {
+            urgency: self.urgency.clone(),
+            ticket,
         };
-        self.engine()
-            .run(plan, self.urgency.clone(), ticket, Box::new(done));
+        self.engine().render(
+            &found.loaded,
+            posed,
+            scene,
+            terms,
+            move |result| match result {
+                Ok((frame, timings)) => {
+                    stats.rendered(1, reply.vertices, timings.render);
+                    reply.send(answer, &frame, timings, held);
+                }
+                Err(error) => answer.fail(error.into()),
+            },
+        );
         Ok(())
     }
 
@@ -138,10 +140,6 @@ impl Call<'_> {
     }
 }
 
-fn picture_plan(posed: Arc<Posed>, scene: Scene, found: &RigRef) -> Plan {
-    Plan::picture(posed, scene, found.loaded.rest_bounds.size())
-}
-
 /// What a frame's reply says beside the picture.
 struct FrameReply {
     camera: wire::FrameCamera,
@@ -163,12 +161,14 @@ impl FrameReply {
                 height,
                 pixels: frame.pixels.clone(),
             },
-            wire::ImageFormat::Png => {
-                match engine::encode_png(frame, of_compression(self.compression)) {
-                    Ok(file) => Picture::Png(file),
-                    Err(error) => return answer.fail(error.into()),
+            wire::ImageFormat::Png => match encode::png(frame, of_compression(self.compression)) {
+                Ok(file) => Picture::Png(file),
+                Err(error) => {
+                    return answer.fail(Fault::Internal {
+                        message: error.to_string(),
+                    });
                 }
-            }
+            },
         };
         let mut attachments = Attachments::default();
         let color = Blob::picture(picture, self.transport, &mut attachments);

@@ -2,14 +2,13 @@
 
 use super::answer::Answer;
 use super::{Call, describe};
-use crate::engine::{EngineError, Timings};
+use crate::engine::Terms;
 use crate::frame::SkinnedVertices;
 use crate::protocol::blob::{ArrayTransport, Blob, Numbers};
 use crate::protocol::mesh as wire;
 use crate::protocol::{Attachments, Fault};
-use crate::render::{Outputs, Plan, Shape, VertexQuery};
 use crate::rig::Rig;
-use crate::scene::Bounds;
+use crate::scene::{Bounds, Shape, VertexQuery};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
@@ -43,35 +42,39 @@ impl Call<'_> {
             wire::VertexState::Posed => Shape::Posed,
             wire::VertexState::Bind => Shape::Bind,
         };
-        let plan = Plan::vertices(posed, shape, queries.clone());
         let Some(answer) = answer.take() else {
             return Ok(());
         };
         let stats = Arc::clone(&self.service.stats);
-        let done = move |result: Result<(Outputs, Timings), EngineError>| match result {
-            Ok((Outputs::Vertices(skinned), timings)) => {
-                stats.rendered(0, vertex_count as u64, timings.render);
-                let mut attachments = Attachments::default();
-                let bounds = bounds_of(&skinned);
-                let meshes = queries.iter().zip(skinned).map(|(query, skinned)| {
-                    let name = rig.meshes()[query.mesh].name().to_owned();
-                    described(name, skinned, &params, &mut attachments)
-                });
-                let meshes = meshes.collect();
-                let result = wire::Vertices {
-                    meshes,
-                    bounds: describe::bounds(&bounds),
-                    clamped,
-                };
-                answer.send(&result, attachments, Some(held));
-            }
-            Ok((Outputs::Picture(_), _)) => answer.fail(Fault::Internal {
-                message: "a picture in place of vertices".to_owned(),
-            }),
-            Err(error) => answer.fail(error.into()),
+        let terms = Terms {
+            urgency: self.urgency.clone(),
+            ticket,
         };
-        self.engine()
-            .run(plan, self.urgency.clone(), ticket, Box::new(done));
+        self.engine().vertices(
+            posed,
+            shape,
+            queries.clone(),
+            terms,
+            move |result| match result {
+                Ok((skinned, timings)) => {
+                    stats.rendered(0, vertex_count as u64, timings.render);
+                    let mut attachments = Attachments::default();
+                    let bounds = bounds_of(&skinned);
+                    let meshes = queries.iter().zip(skinned).map(|(query, skinned)| {
+                        let name = rig.meshes()[query.mesh].name().to_owned();
+                        described(name, skinned, &params, &mut attachments)
+                    });
+                    let meshes = meshes.collect();
+                    let result = wire::Vertices {
+                        meshes,
+                        bounds: describe::bounds(&bounds),
+                        clamped,
+                    };
+                    answer.send(&result, attachments, Some(held));
+                }
+                Err(error) => answer.fail(error.into()),
+            },
+        );
         Ok(())
     }
 

@@ -20,7 +20,7 @@ pub use stats::Stats;
 use crate::engine::{Engine, Urgency};
 use crate::formats::Source;
 use crate::limits::Limits;
-use crate::protocol::{self, BadRequest, Fault, Id, Method, Request};
+use crate::protocol::{self, BadRequest, ErrorObject, Fault, Id, Method, Request, error_line};
 use answer::Answer;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -91,8 +91,14 @@ impl Message {
         }
     }
 
-    /// A line that cannot even be read.
-    pub fn unreadable(fault: Fault) -> Self {
+    /// A line that outgrew its limit, of which nothing was kept.
+    pub fn too_long(limits: &Limits) -> Self {
+        let (limit, maximum) = ("line_bytes".to_owned(), limits.line_bytes);
+        let fault = Fault::LimitExceeded {
+            limit,
+            maximum,
+            asked: maximum.saturating_add(1),
+        };
         let bad = BadRequest {
             id: Id::Null,
             attach_bytes: None,
@@ -112,11 +118,18 @@ impl Message {
         }
     }
 
-    /// The same message, to be answered with a fault that was found before its raw bytes were read.
-    pub fn refused(self, fault: Fault) -> Self {
+    /// The same message, to be refused because more raw bytes would follow it than may.
+    pub fn attaching_too_much(self, limits: &Limits) -> Self {
+        let asked = self.attach_bytes().unwrap_or(u64::MAX);
         let id = match self.request {
             Ok(Request { id: Some(id), .. }) | Err(BadRequest { id, .. }) => id,
             Ok(Request { id: None, .. }) => Id::Null,
+        };
+        let (limit, maximum) = ("attachment_bytes".to_owned(), limits.attachment_bytes);
+        let fault = Fault::LimitExceeded {
+            limit,
+            maximum,
+            asked,
         };
         let bad = BadRequest {
             id,
@@ -128,6 +141,16 @@ impl Message {
             arrived: self.arrived,
         }
     }
+}
+
+/// The line for a client that is one too many.
+pub fn turned_away(maximum: u64, asked: u64) -> Vec<u8> {
+    let fault = Fault::LimitExceeded {
+        limit: "connections".to_owned(),
+        maximum,
+        asked,
+    };
+    error_line(&Id::Null, &ErrorObject::from(fault))
 }
 
 /// The service's side of one connection.

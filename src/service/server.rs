@@ -1,10 +1,10 @@
 //! `server.*`.
 
 use super::Call;
+use crate::engine::AdapterKind;
 use crate::formats::FORMATS;
 use crate::protocol::PROTOCOL_VERSION;
 use crate::protocol::server as wire;
-use crate::render::gpu::AdapterKind;
 
 impl Call<'_> {
     pub(super) fn info(&self) -> wire::ServerInfo {

@@ -108,10 +108,8 @@ fn list(found: &[AdapterInfo]) -> String {
 
 /// Every adapter of this machine, best first.
 pub fn adapters() -> Vec<AdapterInfo> {
-    found()
-        .iter()
-        .map(|adapter| info(&adapter.get_info()))
-        .collect()
+    let found = [NATIVE, LAST].into_iter().flat_map(found);
+    found.map(|adapter| info(&adapter.get_info())).collect()
 }
 
 /// The adapter to use, before a device is opened on it.
@@ -119,30 +117,32 @@ pub(super) fn choose(
     choice: &AdapterChoice,
     require_gpu: bool,
 ) -> Result<wgpu::Adapter, AdapterError> {
-    let mut found = found();
-    let infos: Vec<_> = found
-        .iter()
-        .map(|adapter| info(&adapter.get_info()))
-        .collect();
-    if infos.is_empty() {
-        return Err(AdapterError::None);
-    }
-    let matches = |info: &AdapterInfo| match choice {
+    let is_asked_for = |info: &AdapterInfo| match choice {
         AdapterChoice::Auto => true,
         AdapterChoice::Backend(backend) => info.backend == backend.name(),
         AdapterChoice::Named(name) => info.name.to_lowercase().contains(&name.to_lowercase()),
     };
-    let allowed = |info: &AdapterInfo| !require_gpu || info.kind != AdapterKind::Software;
-    if !infos.iter().any(matches) {
-        return Err(AdapterError::NoMatch {
+    let is_allowed = |info: &AdapterInfo| !require_gpu || info.kind != AdapterKind::Software;
+    let mut seen = Vec::new();
+    for backends in [NATIVE, LAST] {
+        for adapter in found(backends) {
+            let info = info(&adapter.get_info());
+            if is_asked_for(&info) && is_allowed(&info) {
+                return Ok(adapter);
+            }
+            seen.push(info);
+        }
+    }
+    Err(if seen.is_empty() {
+        AdapterError::None
+    } else if seen.iter().any(is_asked_for) {
+        AdapterError::OnlySoftware { found: seen }
+    } else {
+        AdapterError::NoMatch {
             asked: choice.to_string(),
-            found: infos,
-        });
-    }
-    match infos.iter().position(|info| matches(info) && allowed(info)) {
-        Some(index) => Ok(found.swap_remove(index)),
-        None => Err(AdapterError::OnlySoftware { found: infos }),
-    }
+            found: seen,
+        }
+    })
 }
 
 impl Backend {
@@ -166,21 +166,24 @@ impl fmt::Display for AdapterChoice {
     }
 }
 
-fn found() -> Vec<wgpu::Adapter> {
+/// Best first.
+fn found(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = backends;
     // Validation layers and debug names are for who works on rigd, by wgpu's own environment variables.
     descriptor.flags = wgpu::InstanceFlags::empty().with_env();
     let instance = wgpu::Instance::new(descriptor);
-    let mut adapters =
-        block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY | wgpu::Backends::GL));
+    let mut adapters = block_on(instance.enumerate_adapters(backends));
     adapters.retain(|adapter| backend_name(adapter.get_info().backend).is_some());
     // Stable, so that the drivers' own order decides between equals.
-    adapters.sort_by_key(|adapter| {
-        let info = adapter.get_info();
-        (info_kind(&info), info.backend == wgpu::Backend::Gl)
-    });
+    adapters.sort_by_key(|adapter| info_kind(&adapter.get_info()));
     adapters
 }
+
+/// GL after everything else: its libraries look for displays, take their time and complain on standard error, so that they are
+/// only asked where nothing else will do.
+const NATIVE: wgpu::Backends = wgpu::Backends::PRIMARY;
+const LAST: wgpu::Backends = wgpu::Backends::GL;
 
 pub(super) fn info(info: &wgpu::AdapterInfo) -> AdapterInfo {
     AdapterInfo {

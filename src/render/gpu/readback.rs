@@ -4,8 +4,8 @@ use super::buffers::Readbacks;
 use super::device::Device;
 use super::skin::SkinnedMesh;
 use crate::frame::{Frame, SkinnedVertices};
-use crate::render::{Outputs, RenderError, VertexQuery};
-use crate::scene::Size;
+use crate::render::{Outputs, RenderError};
+use crate::scene::{Size, VertexQuery};
 use std::sync::mpsc;
 
 /// Bytes to copy out.
