@@ -36,7 +36,7 @@ pub struct Instance {
 /// What a plan is for.
 #[derive(Debug, Clone)]
 pub enum Wanted {
-    Picture(Picture),
+    Picture(Box<Picture>),
     /// Of the one instance of the plan.
     Vertices(Vec<VertexQuery>),
 }
@@ -124,7 +124,7 @@ impl Plan {
         };
         Self {
             instances: vec![Instance { posed, shape }],
-            wanted: Wanted::Picture(picture),
+            wanted: Wanted::Picture(Box::new(picture)),
         }
     }
 

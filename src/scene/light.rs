@@ -63,7 +63,7 @@ impl Light {
         })
     }
 
-    /// A warm key light from the upper left front and a cool fill from the right, for a rig that faces +Z.
+    /// A warm key light from the upper left front and a cool fill from the right, behind, for a rig that faces +Z.
     pub fn default_pair() -> Vec<Self> {
         let travelling = |x, y, z| Vec3::new(x, y, z).normalize_or(Vec3::NEG_Y);
         vec![
@@ -72,8 +72,8 @@ impl Light {
                 radiance: Vec3::new(1.0, 0.87, 0.70) * 1.7,
             },
             Self::Directional {
-                direction: travelling(-0.9, -0.05, -0.1),
-                radiance: Vec3::new(0.36, 0.56, 1.0) * 0.9,
+                direction: travelling(-0.8, -0.25, 0.5),
+                radiance: Vec3::new(0.40, 0.60, 1.0) * 1.2,
             },
         ]
     }

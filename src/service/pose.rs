@@ -190,7 +190,7 @@ fn rotations(
         };
         let length = DQuat::from_array(rotation).length();
         // Off by more than float32 or a few printed decimals leave, it was not meant as a rotation.
-        if !((length - 1.0).abs() < 1e-2) {
+        if (length - 1.0).abs() > 1e-2 {
             let problem = format!(
                 "expected a unit quaternion [x, y, z, w], but found one of length {length}"
             );

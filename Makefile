@@ -1,0 +1,30 @@
+# The two commands of the README, and the parts they are made of.
+
+CARGO ?= cargo
+
+.PHONY: demo test setup bench clean
+
+## Draws the built-in figure through a running daemon: pictures and vertices in out/.
+demo:
+	$(CARGO) build --release --locked
+	sh scripts/setup.sh driver
+	sh scripts/demo.sh target/release/rigd out
+
+## Everything that has to hold before a change is taken.
+test: setup
+	$(CARGO) fmt --check
+	$(CARGO) clippy --locked --all-targets -- -D warnings
+	$(CARGO) test --locked
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --no-deps --document-private-items
+
+## What the tests need beyond cargo: a software Vulkan driver, and the tools that the README's examples use.
+setup:
+	sh scripts/setup.sh driver tools
+
+## Frames a second of the bare engine and through a socket, and their ratio.
+bench:
+	$(CARGO) bench --locked --bench service
+
+clean:
+	$(CARGO) clean
+	rm -rf out
