@@ -317,7 +317,11 @@ fn ellipsoid(p: V, c: V, r: V) -> f64 {
     let a = [d[0] / r[0], d[1] / r[1], d[2] / r[2]];
     let b = [a[0] / r[0], a[1] / r[1], a[2] / r[2]];
     let (ka, kb) = (len(a), len(b));
-    if kb < 1e-9 { -r[0].min(r[1]).min(r[2]) } else { ka * (ka - 1.0) / kb }
+    if kb < 1e-9 {
+        -r[0].min(r[1]).min(r[2])
+    } else {
+        ka * (ka - 1.0) / kb
+    }
 }
 
 /// A capsule whose radius runs from `ra` to `rb`.
@@ -350,7 +354,10 @@ fn loft(s: f64, u: f64, v: f64, rows: &[[f64; 5]], k: f64) -> f64 {
     };
     let (ru, rv) = (at(1), at(2));
     let side = ellipsoid([u - at(3), v - at(4), 0.0], [0.0; 3], [ru, rv, 1.0]);
-    let (mid, half) = (0.5 * (rows[0][0] + rows[last][0]), 0.5 * (rows[last][0] - rows[0][0]));
+    let (mid, half) = (
+        0.5 * (rows[0][0] + rows[last][0]),
+        0.5 * (rows[last][0] - rows[0][0]),
+    );
     meet(side, (s - mid).abs() - half, k)
 }
 
@@ -665,7 +672,17 @@ fn detail(body: &Body, p: V) -> f64 {
     let hem = band(0.962, 0.04) * (1.0 - ramp(p[0], 0.20, 0.24));
     let foot = 1.0 - ramp(p[1], 0.25, 0.35);
     let shoulder = 1.0 - ramp(ball(p, body.frames[UPPER_ARM].at, 0.0), 0.06, 0.12);
-    1.0 + 0.8 * head + 3.6 * face + 10.0 * eye + 5.0 * mouth + 2.5 * ear + 2.0 * hand + 0.8 * shoulder + 1.0 * cuff + 0.8 * collar + 0.6 * hem - 0.62 * foot
+    1.0 + 0.8 * head
+        + 3.6 * face
+        + 10.0 * eye
+        + 5.0 * mouth
+        + 2.5 * ear
+        + 2.0 * hand
+        + 0.8 * shoulder
+        + 1.0 * cuff
+        + 0.8 * collar
+        + 0.6 * hem
+        - 0.62 * foot
 }
 
 // -------------------------------------------------------------- meshing
@@ -692,8 +709,25 @@ fn axis(runs: &[(f64, f64)], end: f64) -> Vec<f64> {
 /// and the hands.  Only blocks of the grid near the surface are sampled.
 fn march(body: &Body) -> Mesh {
     let xs = axis(&[(0.0, 0.0034), (0.110, 0.0065), (0.50, 0.0042)], 0.74);
-    let ys = axis(&[(-0.0313, 0.0055), (0.12, 0.0072), (0.75, 0.0042), (1.0, 0.0075), (1.43, 0.0036)], 1.83);
-    let zs = axis(&[(-0.171, 0.0075), (-0.06, 0.0046), (0.06, 0.0034), (0.15, 0.007)], 0.23);
+    let ys = axis(
+        &[
+            (-0.0313, 0.0055),
+            (0.12, 0.0072),
+            (0.75, 0.0042),
+            (1.0, 0.0075),
+            (1.43, 0.0036),
+        ],
+        1.83,
+    );
+    let zs = axis(
+        &[
+            (-0.171, 0.0075),
+            (-0.06, 0.0046),
+            (0.06, 0.0034),
+            (0.15, 0.007),
+        ],
+        0.23,
+    );
     let (nx, ny, nz) = (xs.len(), ys.len(), zs.len());
     let node = |i: usize, j: usize, k: usize| (i * ny + j) * nz + k;
     let place = |n: usize| [xs[n / (ny * nz)], ys[n / nz % ny], zs[n % nz]];
@@ -710,7 +744,11 @@ fn march(body: &Body) -> Mesh {
                 for i in bi.clone() {
                     for j in bj.clone() {
                         for k in bk.clone() {
-                            let d = if far { centre } else { body.field([xs[i], ys[j], zs[k]]) };
+                            let d = if far {
+                                centre
+                            } else {
+                                body.field([xs[i], ys[j], zs[k]])
+                            };
                             // Stay clear of the nodes themselves.
                             value[node(i, j, k)] = if d < 0.0 { d.min(-1e-4) } else { d.max(1e-4) };
                         }
@@ -719,10 +757,20 @@ fn march(body: &Body) -> Mesh {
             }
         }
     }
-    let mut mesh = Mesh { points: Vec::new(), faces: Vec::new() };
+    let mut mesh = Mesh {
+        points: Vec::new(),
+        faces: Vec::new(),
+    };
     let mut cuts: BTreeMap<(usize, usize), usize> = BTreeMap::new();
     let step = [node(1, 0, 0), node(0, 1, 0), node(0, 0, 1)];
-    const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+    const ORDERS: [[usize; 3]; 6] = [
+        [0, 1, 2],
+        [0, 2, 1],
+        [1, 0, 2],
+        [1, 2, 0],
+        [2, 0, 1],
+        [2, 1, 0],
+    ];
     for i in 0..nx - 1 {
         for j in 0..ny - 1 {
             for k in 0..nz - 1 {
@@ -739,7 +787,8 @@ fn march(body: &Body) -> Mesh {
                         let next = mesh.points.len();
                         *cuts.entry((a.min(b), a.max(b))).or_insert_with(|| {
                             let t = value[a] / (value[a] - value[b]);
-                            mesh.points.push(add(mul(place(a), 1.0 - t), mul(place(b), t)));
+                            mesh.points
+                                .push(add(mul(place(a), 1.0 - t), mul(place(b), t)));
                             next
                         })
                     };
@@ -797,8 +846,11 @@ fn fans(mesh: &Mesh) -> Vec<Vec<usize>> {
 }
 
 fn ring(faces: &[[usize; 3]], fan: &[usize], v: usize) -> Vec<usize> {
-    let mut ring: Vec<usize> =
-        fan.iter().flat_map(|&f| faces[f]).filter(|&u| u != v).collect();
+    let mut ring: Vec<usize> = fan
+        .iter()
+        .flat_map(|&f| faces[f])
+        .filter(|&u| u != v)
+        .collect();
     ring.sort_unstable();
     ring.dedup();
     ring
@@ -807,7 +859,10 @@ fn ring(faces: &[[usize; 3]], fan: &[usize], v: usize) -> Vec<usize> {
 /// Unit normal of a triangle and a measure of how far it is from a sliver.
 fn shape([p, q, r]: [V; 3]) -> (V, f64) {
     let normal = cross(sub(q, p), sub(r, p));
-    let edges: f64 = [sub(p, q), sub(q, r), sub(r, p)].iter().map(|&e| dot(e, e)).sum();
+    let edges: f64 = [sub(p, q), sub(q, r), sub(r, p)]
+        .iter()
+        .map(|&e| dot(e, e))
+        .sum();
     (unit(normal), len(normal) / edges.max(1e-18))
 }
 
@@ -816,7 +871,10 @@ fn shape([p, q, r]: [V; 3]) -> (V, f64) {
 type Quadric = [f64; 11];
 
 fn quadric_error(q: &Quadric, [x, y, z]: V) -> f64 {
-    let e = q[0] * x * x + q[4] * y * y + q[7] * z * z + q[9]
+    let e = q[0] * x * x
+        + q[4] * y * y
+        + q[7] * z * z
+        + q[9]
         + 2.0 * (q[1] * x * y + q[2] * x * z + q[3] * x + q[5] * y * z + q[6] * y + q[8] * z);
     e.max(0.0) / q[10].max(1e-15)
 }
@@ -832,9 +890,24 @@ fn thin(body: &Body, mesh: &mut Mesh, target: usize) {
         let area = len(normal);
         let [a, b, c] = unit(normal);
         let d = -dot([a, b, c], p);
-        let plane = [a * a, a * b, a * c, a * d, b * b, b * c, b * d, c * c, c * d, d * d, 1.0];
+        let plane = [
+            a * a,
+            a * b,
+            a * c,
+            a * d,
+            b * b,
+            b * c,
+            b * d,
+            c * c,
+            c * d,
+            d * d,
+            1.0,
+        ];
         for &v in face {
-            quadrics[v].iter_mut().zip(plane).for_each(|(q, e)| *q += e * area);
+            quadrics[v]
+                .iter_mut()
+                .zip(plane)
+                .for_each(|(q, e)| *q += e * area);
         }
     }
     let weight: Vec<f64> = mesh.points.iter().map(|&p| detail(body, p)).collect();
@@ -854,7 +927,9 @@ fn thin(body: &Body, mesh: &mut Mesh, target: usize) {
             _ => [mid, a, b],
         };
         let best = spots.into_iter().map(|s| (quadric_error(&q, s), s));
-        let (error, spot) = best.reduce(|x, y| if y.0 < x.0 { y } else { x }).unwrap_or((0.0, mid));
+        let (error, spot) = best
+            .reduce(|x, y| if y.0 < x.0 { y } else { x })
+            .unwrap_or((0.0, mid));
         let d = sub(a, b);
         let flat = 0.7 * dot(d, d);
         let w = weight[u].max(weight[v]);
@@ -870,28 +945,44 @@ fn thin(body: &Body, mesh: &mut Mesh, target: usize) {
         if heap.is_empty() && rounds < 6 {
             rounds += 1;
             for u in 0..n {
-                for v in ring(&mesh.faces, &fans[u], u).into_iter().filter(|&v| v > u) {
+                for v in ring(&mesh.faces, &fans[u], u)
+                    .into_iter()
+                    .filter(|&v| v > u)
+                {
                     let cost = plan(&mesh.points, &quadrics, u, v).0;
                     heap.push(Reverse((key(cost), u, v, stamp[u], stamp[v])));
                 }
             }
         }
-        let Some(Reverse((_, u, v, su, sv))) = heap.pop() else { break };
+        let Some(Reverse((_, u, v, su, sv))) = heap.pop() else {
+            break;
+        };
         if stamp[u] != su || stamp[v] != sv {
             continue;
         }
         // Keep the border vertex, if there is one.
-        let (u, v) = if mesh.points[u][0] == 0.0 { (v, u) } else { (u, v) };
+        let (u, v) = if mesh.points[u][0] == 0.0 {
+            (v, u)
+        } else {
+            (u, v)
+        };
         let (_, spot) = plan(&mesh.points, &quadrics, u, v);
-        let shared: Vec<usize> =
-            fans[u].iter().copied().filter(|&f| mesh.faces[f].contains(&v)).collect();
-        let (ru, rv) = (ring(&mesh.faces, &fans[u], u), ring(&mesh.faces, &fans[v], v));
+        let shared: Vec<usize> = fans[u]
+            .iter()
+            .copied()
+            .filter(|&f| mesh.faces[f].contains(&v))
+            .collect();
+        let (ru, rv) = (
+            ring(&mesh.faces, &fans[u], u),
+            ring(&mesh.faces, &fans[v], v),
+        );
         let common: Vec<usize> = ru.iter().copied().filter(|w| rv.contains(w)).collect();
         let border = |w: usize| mesh.points[w][0] == 0.0;
         // An inner edge between two border vertices would double when mirrored.
         let pinches = common.len() != shared.len()
             || (border(u) && shared.len() != 1)
-            || (border(v) && !border(u)
+            || (border(v)
+                && !border(u)
                 && ru.iter().any(|&w| w != v && border(w) && !rv.contains(&w)))
             || common.iter().any(|&w| fans[w].len() <= 3 && !border(w))
             || ru.len() + rv.len() - 4 > ru.len().max(rv.len()).max(9);
@@ -910,7 +1001,10 @@ fn thin(body: &Body, mesh: &mut Mesh, target: usize) {
         total -= size(mesh.points[u]);
         mesh.points[v] = spot;
         let merged = quadrics[u];
-        quadrics[v].iter_mut().zip(merged).for_each(|(q, e)| *q += e);
+        quadrics[v]
+            .iter_mut()
+            .zip(merged)
+            .for_each(|(q, e)| *q += e);
         for &f in &shared {
             dead[f] = true;
             for w in mesh.faces[f] {
@@ -918,7 +1012,10 @@ fn thin(body: &Body, mesh: &mut Mesh, target: usize) {
             }
         }
         for f in std::mem::take(&mut fans[u]) {
-            mesh.faces[f].iter_mut().filter(|w| **w == u).for_each(|w| *w = v);
+            mesh.faces[f]
+                .iter_mut()
+                .filter(|w| **w == u)
+                .for_each(|w| *w = v);
             fans[v].push(f);
         }
         stamp[u] += 1;
@@ -954,12 +1051,22 @@ fn flip(body: &Body, mesh: &mut Mesh, normals: &[V]) {
     }
     let quality = |mesh: &Mesh, t: [usize; 3]| {
         let (normal, even) = shape(t.map(|v| mesh.points[v]));
-        let facing = t.iter().map(|&v| dot(normal, normals[v])).fold(1.0, f64::min);
-        even.min(0.35) * if facing < 0.1 { 0.01 } else { 0.3 + 0.7 * facing }
+        let facing = t
+            .iter()
+            .map(|&v| dot(normal, normals[v]))
+            .fold(1.0, f64::min);
+        even.min(0.35)
+            * if facing < 0.1 {
+                0.01
+            } else {
+                0.3 + 0.7 * facing
+            }
     };
     let keys: Vec<_> = edges.keys().copied().filter(|&(a, b)| a < b).collect();
     for (a, b) in keys {
-        let (Some(&f), Some(&g)) = (edges.get(&(a, b)), edges.get(&(b, a))) else { continue };
+        let (Some(&f), Some(&g)) = (edges.get(&(a, b)), edges.get(&(b, a))) else {
+            continue;
+        };
         let other = |t: [usize; 3]| t.into_iter().find(|&v| v != a && v != b).unwrap_or(a);
         let (c, d) = (other(mesh.faces[f]), other(mesh.faces[g]));
         let on_border = mesh.points[c][0] == 0.0 && mesh.points[d][0] == 0.0;
@@ -993,7 +1100,10 @@ fn relax(body: &Body, mesh: &mut Mesh, normals: &[V]) {
     for (v, p) in mesh.points.iter_mut().enumerate() {
         let ring = ring(&mesh.faces, &fans[v], v);
         // Creases (where normals disagree) hold their vertices.
-        let crease = ring.iter().map(|&u| dot(normals[u], normals[v])).fold(1.0, f64::min);
+        let crease = ring
+            .iter()
+            .map(|&u| dot(normals[u], normals[v]))
+            .fold(1.0, f64::min);
         let pull = 0.35 * ramp(crease, 0.2, 0.8);
         let border = p[0] == 0.0;
         let (mut sum, mut count) = ([0.0; 3], 0.0);
@@ -1032,7 +1142,9 @@ fn half_surface(body: &Body) -> (Mesh, Vec<V>) {
             let p = m.points[v];
             let n = unit(body.gradient(p, 3e-3 / detail(body, p).max(1.0)));
             // Where a fold is too tight for the mesh, follow the faces instead.
-            let faces = fans[v].iter().map(|&f| shape(m.faces[f].map(|w| m.points[w])).0);
+            let faces = fans[v]
+                .iter()
+                .map(|&f| shape(m.faces[f].map(|w| m.points[w])).0);
             let (mut sum, mut least) = ([0.0; 3], 1.0_f64);
             for face in faces {
                 least = least.min(dot(face, n));
@@ -1041,7 +1153,11 @@ fn half_surface(body: &Body) -> (Mesh, Vec<V>) {
             if p[0] == 0.0 {
                 sum[0] = 0.0;
             }
-            if least < 0.1 { unit(add(n, mul(sum, 1.0 / fans[v].len() as f64))) } else { n }
+            if least < 0.1 {
+                unit(add(n, mul(sum, 1.0 / fans[v].len() as f64)))
+            } else {
+                n
+            }
         };
         (0..m.points.len()).map(of).collect()
     };
@@ -1086,32 +1202,44 @@ fn weights(body: &Body, p: V) -> [f64; 15] {
         (c, rest - c)
     };
     let head = ramp(body.neck(p) - body.head(p), -0.016, 0.016) * ramp(y, 1.46, 1.50);
-    chain(trunk, &[
-        (PELVIS, 1.0),
-        (SPINE, ramp(y, 0.97, 1.09)),
-        (CHEST, ramp(y, 1.11, 1.27)),
-        (NECK, ramp(y - 0.25 * z, 1.435, 1.495)),
-        (HEAD, head),
-    ]);
+    chain(
+        trunk,
+        &[
+            (PELVIS, 1.0),
+            (SPINE, ramp(y, 0.97, 1.09)),
+            (CHEST, ramp(y, 1.11, 1.27)),
+            (NECK, ramp(y - 0.25 * z, 1.435, 1.495)),
+            (HEAD, head),
+        ],
+    );
     chain(clavicle, &[(CLAVICLE, 1.0)]);
     let along = |bone: usize, axis: usize| body.local(bone, p)[axis];
-    let thumb = ramp(body.palm(p).min(body.fingers(p)) - body.thumb(p), -0.008, 0.010)
-        * ramp(along(HAND, 2), 0.012, 0.03);
+    let thumb = ramp(
+        body.palm(p).min(body.fingers(p)) - body.thumb(p),
+        -0.008,
+        0.010,
+    ) * ramp(along(HAND, 2), 0.012, 0.03);
     let hand = arm * ramp(along(FOREARM, 0), 0.215, 0.265);
     let split = if hand > 0.0 { thumb } else { 0.0 };
-    chain(arm * (1.0 - split * hand / arm.max(1e-9)), &[
-        (UPPER_ARM, 1.0),
-        (FOREARM, ramp(along(UPPER_ARM, 0), 0.225, 0.315)),
-        (HAND, ramp(along(FOREARM, 0), 0.215, 0.265)),
-        (FINGERS, ramp(along(FINGERS, 0), -0.013, 0.012)),
-    ]);
+    chain(
+        arm * (1.0 - split * hand / arm.max(1e-9)),
+        &[
+            (UPPER_ARM, 1.0),
+            (FOREARM, ramp(along(UPPER_ARM, 0), 0.225, 0.315)),
+            (HAND, ramp(along(FOREARM, 0), 0.215, 0.265)),
+            (FINGERS, ramp(along(FINGERS, 0), -0.013, 0.012)),
+        ],
+    );
     chain(split * hand, &[(THUMB, 1.0)]);
-    chain(leg, &[
-        (THIGH, 1.0),
-        (SHIN, ramp(-along(THIGH, 1), 0.335, 0.450)),
-        (FOOT, ramp(-along(SHIN, 1), 0.350, 0.400)),
-        (TOES, ramp(along(TOES, 2), -0.022, 0.022)),
-    ]);
+    chain(
+        leg,
+        &[
+            (THIGH, 1.0),
+            (SHIN, ramp(-along(THIGH, 1), 0.335, 0.450)),
+            (FOOT, ramp(-along(SHIN, 1), 0.350, 0.400)),
+            (TOES, ramp(along(TOES, 2), -0.022, 0.022)),
+        ],
+    );
     w
 }
 
@@ -1121,8 +1249,10 @@ fn tidy(mut all: Vec<(usize, f64)>) -> Vec<(usize, u32)> {
     all.truncate(5);
     all.retain(|&(_, w)| w > 0.01);
     let sum: f64 = all.iter().map(|&(_, w)| w).sum();
-    let mut kept: Vec<(usize, u32)> =
-        all.iter().map(|&(j, w)| (j, (w / sum * 1e4).round() as u32)).collect();
+    let mut kept: Vec<(usize, u32)> = all
+        .iter()
+        .map(|&(j, w)| (j, (w / sum * 1e4).round() as u32))
+        .collect();
     let rest: u32 = kept.iter().skip(1).map(|&(_, w)| w).sum();
     if let Some(first) = kept.first_mut() {
         first.1 = 10_000 - rest;
@@ -1133,7 +1263,9 @@ fn tidy(mut all: Vec<(usize, f64)>) -> Vec<(usize, u32)> {
 // -------------------------------------------------------------- writing
 
 pub fn skin() -> String {
-    let body = Body { frames: bind_frames() };
+    let body = Body {
+        frames: bind_frames(),
+    };
     let (half, half_normals) = half_surface(&body);
     let all = joints();
     let joint = |bone: usize, right: bool| {
@@ -1158,11 +1290,20 @@ pub fn skin() -> String {
         }
     }
     let mut faces = half.faces.clone();
-    faces.extend(half.faces.iter().map(|&[a, b, c]| [twin[a], twin[c], twin[b]]));
+    faces.extend(
+        half.faces
+            .iter()
+            .map(|&[a, b, c]| [twin[a], twin[c], twin[b]]),
+    );
 
     let mut out = String::new();
     let mut block = |name: &str, lines: Vec<String>| {
-        let _ = writeln!(out, "{name} {} {{\n  {}\n}}", lines.len(), lines.join("\n  "));
+        let _ = writeln!(
+            out,
+            "{name} {} {{\n  {}\n}}",
+            lines.len(),
+            lines.join("\n  ")
+        );
     };
     let vec = |v: &V| {
         let [x, y, z] = v.map(clean);
@@ -1171,13 +1312,28 @@ pub fn skin() -> String {
     block("positions", points.iter().map(vec).collect());
     block("normals", normals.iter().map(vec).collect());
     let weight_line = |(w, &right): (&[f64; 15], &bool)| {
-        let named = w.iter().enumerate().map(|(bone, &w)| (joint(bone, right), w)).collect();
+        let named = w
+            .iter()
+            .enumerate()
+            .map(|(bone, &w)| (joint(bone, right), w))
+            .collect();
         let kept = tidy(named);
-        let pairs = kept.iter().map(|&(j, w)| format!(" {j} {}.{:04}", w / 10_000, w % 10_000));
+        let pairs = kept
+            .iter()
+            .map(|&(j, w)| format!(" {j} {}.{:04}", w / 10_000, w % 10_000));
         format!("{}{}", kept.len(), pairs.collect::<String>())
     };
-    block("skinweights", influences.iter().zip(&right).map(weight_line).collect());
-    block("triangles", faces.iter().map(|[a, b, c]| format!("{a} {b} {c}")).collect());
+    block(
+        "skinweights",
+        influences.iter().zip(&right).map(weight_line).collect(),
+    );
+    block(
+        "triangles",
+        faces
+            .iter()
+            .map(|[a, b, c]| format!("{a} {b} {c}"))
+            .collect(),
+    );
     let binding = |j: &Joint| {
         let f = body.frames[j.bone];
         // Mirror in x: conjugate the rotation, reflect the origin.

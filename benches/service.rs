@@ -27,14 +27,24 @@ const FRAMES_A_ROUND: u64 = 100;
 fn open() -> (Engine, Arc<LoadedRig>) {
     let wanted = std::env::var("RIGD_BENCH_ADAPTER").unwrap_or_else(|_| "auto".to_owned());
     let Ok(adapter) = wanted.parse();
-    let choice = RendererChoice { adapter, require_gpu: false };
+    let choice = RendererChoice {
+        adapter,
+        require_gpu: false,
+    };
     let engine = Engine::open(choice, Limits::default()).expect("a graphics adapter");
-    let file = |name: &str, bytes: &[u8]| FileRef::Inline(File { name: name.to_owned(), bytes: bytes.into() });
+    let file = |name: &str, bytes: &[u8]| {
+        FileRef::Inline(File {
+            name: name.to_owned(),
+            bytes: bytes.into(),
+        })
+    };
     let files = [
         file("figure.skel", include_bytes!("../assets/figure.skel")),
         file("figure.skin", include_bytes!("../assets/figure.skin")),
     ];
-    let rig = engine.load(None, &files, &Source::inline_only(), false).expect("the figure loads");
+    let rig = engine
+        .load(None, &files, &Source::inline_only(), false)
+        .expect("the figure loads");
     (engine, rig)
 }
 
@@ -43,7 +53,8 @@ fn scene(rig: &LoadedRig) -> Scene {
     Scene {
         size,
         samples: Samples::Four,
-        camera: Camera::orbit(Orbit::default(), &rig.rest_bounds, size).expect("the default camera"),
+        camera: Camera::orbit(Orbit::default(), &rig.rest_bounds, size)
+            .expect("the default camera"),
         lights: Light::default_pair(),
         ambient: Scene::DEFAULT_AMBIENT,
         surface: Surface::default(),
@@ -60,7 +71,10 @@ fn bare(engine: &Engine, rig: &Arc<LoadedRig>, frames: u64) -> Duration {
         let posed = Arc::new(Posed::new(&Pose::rest(&rig.rig)).expect("the rest pose"));
         let ticket = engine.admission().admit().expect("room for eight");
         let sender = sender.clone();
-        let terms = Terms { urgency: Urgency::default(), ticket };
+        let terms = Terms {
+            urgency: Urgency::default(),
+            ticket,
+        };
         engine.render(rig, posed, scene.clone(), terms, move |result| {
             let (frame, _) = result.expect("a frame");
             let file = png(&frame, Compression::Fast).expect("a PNG");
@@ -84,12 +98,18 @@ fn served(address: SocketAddr, frames: u64) -> Duration {
     let params = json!({"rig": "figure", "pose": {"base": "rest"}, "transport": "attach"});
     let _: FrameParams = serde_json::from_value(params.clone()).expect("valid parameters");
     let started = Instant::now();
-    let mut send = || client.send("frame.render", &params).expect("the request is sent");
+    let mut send = || {
+        client
+            .send("frame.render", &params)
+            .expect("the request is sent")
+    };
     (0..IN_FLIGHT.min(frames)).for_each(|_| drop(send()));
     for done in 0..frames {
         client.receive().expect("a reply").outcome.expect("a frame");
         if done + IN_FLIGHT < frames {
-            client.send("frame.render", &params).expect("the request is sent");
+            client
+                .send("frame.render", &params)
+                .expect("the request is sent");
         }
     }
     started.elapsed()
@@ -104,7 +124,8 @@ fn main() {
     let (engine, rig) = open();
     let adapter = engine.adapter().to_string();
     let service = Service::new(engine, Source::inline_only());
-    let server = Server::bind("127.0.0.1:0", Arc::clone(&service), Patience::default()).expect("a free port");
+    let server = Server::bind("127.0.0.1:0", Arc::clone(&service), Patience::default())
+        .expect("a free port");
     let address = server.address().expect("an address");
     let stopper = server.stopper().expect("an address");
     let serving = std::thread::spawn(move || server.run());
@@ -112,20 +133,39 @@ fn main() {
     let mut criterion = Criterion::default().configure_from_args().sample_size(10);
     let mut group = criterion.benchmark_group("figure 512x512 4x png");
     group.throughput(Throughput::Elements(1));
-    group.bench_function("engine", |b| b.iter_custom(|frames| bare(service.engine(), &rig, frames)));
-    group.bench_function("service", |b| b.iter_custom(|frames| served(address, frames)));
+    group.bench_function("engine", |b| {
+        b.iter_custom(|frames| bare(service.engine(), &rig, frames))
+    });
+    group.bench_function("service", |b| {
+        b.iter_custom(|frames| served(address, frames))
+    });
     group.finish();
     criterion.final_summary();
 
     let rates = |time: Duration| FRAMES_A_ROUND as f64 / time.as_secs_f64();
     let rounds: Vec<(f64, f64)> = (0..ROUNDS)
-        .map(|_| (rates(bare(service.engine(), &rig, FRAMES_A_ROUND)), rates(served(address, FRAMES_A_ROUND))))
+        .map(|_| {
+            (
+                rates(bare(service.engine(), &rig, FRAMES_A_ROUND)),
+                rates(served(address, FRAMES_A_ROUND)),
+            )
+        })
         .collect();
     let engine = median(rounds.iter().map(|round| round.0).collect());
     let service = median(rounds.iter().map(|round| round.1).collect());
-    let ratio = median(rounds.iter().map(|(engine, service)| service / engine).collect());
+    let ratio = median(
+        rounds
+            .iter()
+            .map(|(engine, service)| service / engine)
+            .collect(),
+    );
     println!("\ndrawing with {adapter}");
-    println!("engine  {engine:7.1} frames/s\nservice {service:7.1} frames/s\nratio   {ratio:7.3} (median of {ROUNDS} rounds)");
+    println!(
+        "engine  {engine:7.1} frames/s\nservice {service:7.1} frames/s\nratio   {ratio:7.3} (median of {ROUNDS} rounds)"
+    );
     stopper.stop();
-    serving.join().expect("the server's thread").expect("the server stops in order");
+    serving
+        .join()
+        .expect("the server's thread")
+        .expect("the server stops in order");
 }

@@ -25,8 +25,12 @@ fn the_description_is_what_the_types_generate() {
     if accepting() {
         fs::write(&path, format!("{generated:#}\n")).expect("the description can be written");
     }
-    let kept: Value = serde_json::from_str(&fs::read_to_string(&path).expect("api/openrpc.json")).expect("JSON");
-    assert!(kept == generated, "api/openrpc.json is stale: run `rigd openrpc > api/openrpc.json`");
+    let kept: Value =
+        serde_json::from_str(&fs::read_to_string(&path).expect("api/openrpc.json")).expect("JSON");
+    assert!(
+        kept == generated,
+        "api/openrpc.json is stale: run `rigd openrpc > api/openrpc.json`"
+    );
 }
 
 #[test]
@@ -39,16 +43,28 @@ fn every_example_is_answered_as_it_says_and_as_the_description_says() {
         let mut replayed = String::new();
         for (number, line) in text.lines().enumerate() {
             let place = format!("{}:{}", path.display(), number + 1);
-            let example: Value = serde_json::from_str(line).unwrap_or_else(|error| panic!("{place}: {error}"));
+            let example: Value =
+                serde_json::from_str(line).unwrap_or_else(|error| panic!("{place}: {error}"));
             let request = &example["request"];
-            let reply = service.answer(request.to_string().as_bytes(), Vec::new()).expect("every example has an id");
+            let reply = service
+                .answer(request.to_string().as_bytes(), Vec::new())
+                .expect("every example has an id");
             let attached: usize = reply.attachments.iter().map(Vec::len).sum();
             let reply: Value = serde_json::from_slice(&reply.line).expect("a reply is JSON");
-            assert_eq!(reply["attach_bytes"].as_u64().unwrap_or(0), attached as u64, "{place}");
-            schemas.check(request["method"].as_str().unwrap_or_default(), &reply).unwrap_or_else(|error| panic!("{place}: {error}"));
+            assert_eq!(
+                reply["attach_bytes"].as_u64().unwrap_or(0),
+                attached as u64,
+                "{place}"
+            );
+            schemas
+                .check(request["method"].as_str().unwrap_or_default(), &reply)
+                .unwrap_or_else(|error| panic!("{place}: {error}"));
             if accepting() {
                 // The request first, as it is read.
-                replayed += &format!("{{\"request\":{request},\"reply\":{}}}\n", elided("", &reply));
+                replayed += &format!(
+                    "{{\"request\":{request},\"reply\":{}}}\n",
+                    elided("", &reply)
+                );
             } else if let Err(difference) = compare("reply", &example["reply"], &reply) {
                 panic!("{place}: {difference}");
             }
@@ -62,19 +78,32 @@ fn every_example_is_answered_as_it_says_and_as_the_description_says() {
 /// In the documentation a reply may leave out members, and the rest of a list after `"…"`.
 fn compare_shown(path: &str, wanted: &Value, found: &Value) -> Result<(), String> {
     match (wanted, found) {
-        (Value::Object(shown), Value::Object(members)) => shown.iter().try_for_each(|(key, value)| {
-            let member = members.get(key).ok_or_else(|| format!("{path}.{key} is not there"))?;
-            compare_shown(&format!("{path}.{key}"), value, member)
-        }),
+        (Value::Object(shown), Value::Object(members)) => {
+            shown.iter().try_for_each(|(key, value)| {
+                let member = members
+                    .get(key)
+                    .ok_or_else(|| format!("{path}.{key} is not there"))?;
+                compare_shown(&format!("{path}.{key}"), value, member)
+            })
+        }
         (Value::Array(shown), Value::Array(items)) => {
             let is_cut = shown.last().is_some_and(|last| last == ANY);
             let count = if is_cut { shown.len() - 1 } else { items.len() };
             if count != shown.len() - usize::from(is_cut) {
                 return Err(format!("{path}: expected {wanted}, but found {found}"));
             }
-            shown.iter().zip(items).take(count).enumerate().try_for_each(|(i, (a, b))| compare_shown(&format!("{path}[{i}]"), a, b))
+            shown
+                .iter()
+                .zip(items)
+                .take(count)
+                .enumerate()
+                .try_for_each(|(i, (a, b))| compare_shown(&format!("{path}[{i}]"), a, b))
         }
-        (Value::String(shown), Value::String(text)) if shown.ends_with(ANY) && text.starts_with(shown.trim_end_matches(ANY)) => Ok(()),
+        (Value::String(shown), Value::String(text))
+            if shown.ends_with(ANY) && text.starts_with(shown.trim_end_matches(ANY)) =>
+        {
+            Ok(())
+        }
         _ => compare(path, wanted, found),
     }
 }
@@ -84,13 +113,21 @@ fn the_conversations_in_the_documentation_go_as_written() {
     let text = include_str!("../docs/protocol.md");
     let service = support::service();
     let mut count = 0;
-    for block in text.split("```jsonl\n").skip(1).filter_map(|rest| rest.split("```").next()) {
+    for block in text
+        .split("```jsonl\n")
+        .skip(1)
+        .filter_map(|rest| rest.split("```").next())
+    {
         let mut lines = block.lines();
         while let (Some(request), Some(shown)) = (lines.next(), lines.next()) {
-            let reply = service.answer(request.as_bytes(), Vec::new()).unwrap_or_else(|| panic!("not answered: {request}"));
+            let reply = service
+                .answer(request.as_bytes(), Vec::new())
+                .unwrap_or_else(|| panic!("not answered: {request}"));
             let reply: Value = serde_json::from_slice(&reply.line).expect("JSON");
-            let shown: Value = serde_json::from_str(shown).unwrap_or_else(|error| panic!("{error}: {shown}"));
-            compare_shown("reply", &shown, &reply).unwrap_or_else(|difference| panic!("{request}\n{difference}"));
+            let shown: Value =
+                serde_json::from_str(shown).unwrap_or_else(|error| panic!("{error}: {shown}"));
+            compare_shown("reply", &shown, &reply)
+                .unwrap_or_else(|difference| panic!("{request}\n{difference}"));
             count += 1;
         }
     }
@@ -107,9 +144,15 @@ fn every_method_but_the_notification_has_an_example() {
         }
     }
     let known = openrpc();
-    let methods = known["methods"].as_array().expect("methods").iter().filter_map(|method| method["name"].as_str());
+    let methods = known["methods"]
+        .as_array()
+        .expect("methods")
+        .iter()
+        .filter_map(|method| method["name"].as_str());
     // The document itself is too long to stand among the examples.
-    let missing: Vec<_> = methods.filter(|name| !seen.contains(*name) && !["rpc.discover", "request.cancel"].contains(name)).collect();
+    let missing: Vec<_> = methods
+        .filter(|name| !seen.contains(*name) && !["rpc.discover", "request.cancel"].contains(name))
+        .collect();
     assert!(missing.is_empty(), "no example of {missing:?}");
 }
 
@@ -118,9 +161,27 @@ fn a_wrong_reply_is_seen() {
     let schemas = Schemas::new();
     let ping = json!({"jsonrpc": "2.0", "id": 1, "result": {}});
     assert!(schemas.check("server.ping", &ping).is_ok());
-    assert!(schemas.check("rig.list", &ping).is_err(), "a member is missing");
-    assert!(schemas.check("server.ping", &json!({"error": {"code": 1, "message": "x"}})).is_err(), "an error has data");
-    assert!(compare("x", &json!({"a": ANY, "b": 1.0}), &json!({"a": [1], "b": 1.00001})).is_ok());
+    assert!(
+        schemas.check("rig.list", &ping).is_err(),
+        "a member is missing"
+    );
+    assert!(
+        schemas
+            .check(
+                "server.ping",
+                &json!({"error": {"code": 1, "message": "x"}})
+            )
+            .is_err(),
+        "an error has data"
+    );
+    assert!(
+        compare(
+            "x",
+            &json!({"a": ANY, "b": 1.0}),
+            &json!({"a": [1], "b": 1.00001})
+        )
+        .is_ok()
+    );
     for (wanted, found) in [
         (json!(1.0), json!(1.01)),
         (json!({"a": 1}), json!({"a": 1, "b": 2})),
@@ -128,13 +189,18 @@ fn a_wrong_reply_is_seen() {
         (json!([1, 2]), json!([1])),
         (json!("a"), json!("b")),
     ] {
-        assert!(compare("x", &wanted, &found).is_err(), "{wanted} against {found}");
+        assert!(
+            compare("x", &wanted, &found).is_err(),
+            "{wanted} against {found}"
+        );
     }
 }
 
 fn example_files() -> Vec<PathBuf> {
     let entries = fs::read_dir(Path::new(API).join("examples")).expect("api/examples");
-    let mut paths: Vec<_> = entries.map(|entry| entry.expect("an entry").path()).collect();
+    let mut paths: Vec<_> = entries
+        .map(|entry| entry.expect("an entry").path())
+        .collect();
     paths.sort();
     assert!(!paths.is_empty());
     paths
@@ -161,7 +227,10 @@ impl Schemas {
             (name, validator(&method["result"]["schema"]))
         });
         let error = json!({"$ref": "#/components/schemas/ErrorObject"});
-        Self { results: results.collect(), error: validator(&error) }
+        Self {
+            results: results.collect(),
+            error: validator(&error),
+        }
     }
 
     fn check(&self, method: &str, reply: &Value) -> Result<(), String> {
@@ -170,7 +239,9 @@ impl Schemas {
             (None, Some(validator)) => (validator, &reply["result"]),
             (None, None) => return Err(format!("a result of `{method}`, which is not described")),
         };
-        validator.validate(found).map_err(|error| format!("{method}: {} at {}", error, error.instance_path()))
+        validator
+            .validate(found)
+            .map_err(|error| format!("{method}: {} at {}", error, error.instance_path()))
     }
 }
 
@@ -182,15 +253,28 @@ fn compare(path: &str, wanted: &Value, found: &Value) -> Result<(), String> {
             if !wanted_members.keys().eq(found_members.keys()) {
                 return differ();
             }
-            wanted_members.iter().try_for_each(|(key, value)| compare(&format!("{path}.{key}"), value, &found_members[key]))
+            wanted_members.iter().try_for_each(|(key, value)| {
+                compare(&format!("{path}.{key}"), value, &found_members[key])
+            })
         }
-        (Value::Array(wanted_items), Value::Array(found_items)) if wanted_items.len() == found_items.len() => {
+        (Value::Array(wanted_items), Value::Array(found_items))
+            if wanted_items.len() == found_items.len() =>
+        {
             let items = wanted_items.iter().zip(found_items).enumerate();
-            items.into_iter().try_for_each(|(index, (a, b))| compare(&format!("{path}[{index}]"), a, b))
+            items
+                .into_iter()
+                .try_for_each(|(index, (a, b))| compare(&format!("{path}[{index}]"), a, b))
         }
         (Value::Number(a), Value::Number(b)) => {
-            let (a, b) = (a.as_f64().unwrap_or(f64::NAN), b.as_f64().unwrap_or(f64::NAN));
-            if (a - b).abs() <= TOLERANCE * a.abs().max(1.0) { Ok(()) } else { differ() }
+            let (a, b) = (
+                a.as_f64().unwrap_or(f64::NAN),
+                b.as_f64().unwrap_or(f64::NAN),
+            );
+            if (a - b).abs() <= TOLERANCE * a.abs().max(1.0) {
+                Ok(())
+            } else {
+                differ()
+            }
         }
         _ if wanted == found => Ok(()),
         _ => differ(),
@@ -199,7 +283,17 @@ fn compare(path: &str, wanted: &Value, found: &Value) -> Result<(), String> {
 
 /// A reply with what differs from run to run, or is too long to read, replaced.
 fn elided(key: &str, value: &Value) -> Value {
-    let varies = ["version", "uptime_s", "adapter", "timings_ms", "bytes_in", "bytes_out", "memory", "requests", "limits"];
+    let varies = [
+        "version",
+        "uptime_s",
+        "adapter",
+        "timings_ms",
+        "bytes_in",
+        "bytes_out",
+        "memory",
+        "requests",
+        "limits",
+    ];
     match value {
         _ if varies.contains(&key) => json!(ANY),
         Value::Object(members) => {
@@ -207,10 +301,19 @@ fn elided(key: &str, value: &Value) -> Value {
             let shown = members.iter().map(|(key, value)| {
                 let is_coded = key == "data" && value.is_string();
                 let is_packed = is_picture && key == "bytes";
-                (key.clone(), if is_coded || is_packed { json!(ANY) } else { elided(key, value) })
+                (
+                    key.clone(),
+                    if is_coded || is_packed {
+                        json!(ANY)
+                    } else {
+                        elided(key, value)
+                    },
+                )
             });
             let mut shown: serde_json::Map<_, _> = shown.collect();
-            if shown.get("attach_bytes").is_some() && value["result"]["images"]["color"]["media"].is_string() {
+            if shown.get("attach_bytes").is_some()
+                && value["result"]["images"]["color"]["media"].is_string()
+            {
                 shown["attach_bytes"] = json!(ANY);
             }
             Value::Object(shown)

@@ -7,6 +7,12 @@ mod figure;
 #[test]
 fn the_files_are_what_the_generator_writes() {
     let advice = "run `cargo run --release --example figure`";
-    assert!(figure::skel() == include_str!("../assets/figure.skel"), "figure.skel is stale: {advice}");
-    assert!(figure::skin() == include_str!("../assets/figure.skin"), "figure.skin is stale: {advice}");
+    assert!(
+        figure::skel() == include_str!("../assets/figure.skel"),
+        "figure.skel is stale: {advice}"
+    );
+    assert!(
+        figure::skin() == include_str!("../assets/figure.skin"),
+        "figure.skin is stale: {advice}"
+    );
 }

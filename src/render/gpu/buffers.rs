@@ -27,9 +27,10 @@ impl Growing {
     pub fn reserve(&mut self, device: &Device, bytes: u64) -> bool {
         let grows = bytes > self.buffer.size();
         if grows {
-            let most = device.device.limits().max_buffer_size;
-            let roomy = bytes.next_power_of_two().min(most).max(bytes);
-            self.buffer = create(device, self.label, self.usage, roomy);
+            let roomy = bytes
+                .next_power_of_two()
+                .min(device.capabilities().buffer_bytes);
+            self.buffer = create(device, self.label, self.usage, roomy.max(bytes));
         }
         grows
     }

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 #[derive(Debug, Clone, Copy)]
 pub struct Capabilities {
     side: u64,
-    buffer_bytes: u64,
+    pub(super) buffer_bytes: u64,
 }
 
 impl Capabilities {

@@ -19,9 +19,9 @@ pub use readback::InFlight;
 use super::{Outputs, Plan, RenderError, Wanted};
 use buffers::Readbacks;
 use device::Device;
-use readback::Region;
+use readback::{Form, Region};
 use resolve::ResolveStage;
-use shade::ShadeStage;
+use shade::{Drawn, ShadeStage};
 use skin::SkinStage;
 use targets::{TargetCache, TargetShape};
 use upload::Uploads;
@@ -79,70 +79,81 @@ impl Gpu {
     pub fn submit(&mut self, plan: &Plan) -> Result<InFlight, RenderError> {
         // A complaint about earlier work is not this plan's fault.
         self.device.check()?;
+        let submitted = self
+            .encode(plan)
+            .and_then(|in_flight| self.device.check().map(|()| in_flight));
+        if submitted.is_err() {
+            // What was made for this plan may be half there: the next one makes it anew.
+            self.uploads
+                .forget(plan.instances.iter().map(|instance| instance.rig().id()));
+            self.targets = TargetCache::default();
+        }
+        submitted
+    }
+
+    fn encode(&mut self, plan: &Plan) -> Result<InFlight, RenderError> {
         let device = &self.device;
+        for instance in &plan.instances {
+            device.capabilities().accept_rig(instance.rig())?;
+            self.uploads
+                .upload(device, &self.skin.mesh_layout, instance.rig());
+        }
+        let uploaded = plan
+            .instances
+            .iter()
+            .filter_map(|instance| self.uploads.get(instance.rig()));
+        let rigs: Vec<_> = uploaded.collect();
         let descriptor = wgpu::CommandEncoderDescriptor {
             label: Some("frame"),
         };
         let mut encoder = device.device.create_command_encoder(&descriptor);
-        for instance in &plan.instances {
-            device.capabilities().accept_rig(instance.rig())?;
-        }
         let skinned = self
             .skin
-            .encode(device, &mut self.uploads, &mut encoder, &plan.instances);
-        let in_flight = match &plan.wanted {
-            Wanted::Picture(picture) => {
-                let size = picture.scene.size;
-                device.capabilities().accept_size(size)?;
-                let samples = picture.scene.samples;
-                let shape = TargetShape {
-                    size,
-                    samples,
-                    layers: shade::layers_of(picture),
-                };
-                let targets = self.targets.get(device, &self.resolve.layout, shape);
-                let layout = &self.skin.mesh_layout;
-                for instance in &plan.instances {
-                    self.uploads.get(device, layout, instance.rig());
-                }
-                let uploads = &self.uploads;
-                let placed: Vec<_> = skinned
-                    .into_iter()
-                    .filter_map(|place| {
-                        Some((uploads.find(plan.instances[place.instance].rig())?, place))
-                    })
-                    .map(|(rig, place)| (place, rig))
-                    .collect();
-                self.shade.encode(
-                    device,
-                    &mut encoder,
-                    picture,
-                    targets,
-                    &placed,
-                    self.skin.skinned(),
-                );
-                self.resolve.encode(&mut encoder, targets);
-                let region = Region {
-                    source: &targets.pixels,
-                    start: 0,
-                    bytes: 4 * size.pixels() as u64,
-                };
-                readback::start(
+            .encode(device, &mut encoder, &plan.instances, &rigs);
+        let vertices = self.skin.skinned();
+        let picture = match &plan.wanted {
+            Wanted::Picture(picture) => picture,
+            Wanted::Vertices(queries) => {
+                let regions = readback::regions(queries, &skinned, vertices);
+                let form = Form::Vertices(queries.clone());
+                return Ok(readback::start(
                     device,
                     &mut self.readbacks,
                     encoder,
-                    &[region],
-                    readback::Form::Picture(size),
-                )
-            }
-            Wanted::Vertices(queries) => {
-                let regions = readback::regions(queries, &skinned, self.skin.skinned());
-                let form = readback::Form::Vertices(queries.clone());
-                readback::start(device, &mut self.readbacks, encoder, &regions, form)
+                    &regions,
+                    form,
+                ));
             }
         };
-        self.device.check()?;
-        Ok(in_flight)
+        let (size, samples) = (picture.scene.size, picture.scene.samples);
+        device.capabilities().accept_size(size)?;
+        let shape = TargetShape {
+            size,
+            samples,
+            layers: shade::layers_of(picture),
+        };
+        let targets = self.targets.get(device, &self.resolve.layout, shape);
+        let drawn = Drawn {
+            skinned: &skinned,
+            rigs: &rigs,
+            vertices,
+        };
+        self.shade
+            .encode(device, &mut encoder, picture, targets, &drawn);
+        self.resolve.encode(&mut encoder, targets);
+        let region = Region {
+            source: &targets.pixels,
+            start: 0,
+            bytes: 4 * size.pixels() as u64,
+        };
+        let form = Form::Picture(size);
+        Ok(readback::start(
+            device,
+            &mut self.readbacks,
+            encoder,
+            &[region],
+            form,
+        ))
     }
 
     /// Waits for what was [submitted](Gpu::submit) and gives its outputs.

@@ -40,6 +40,13 @@ pub(super) struct ShadeStage {
     lines: Growing,
 }
 
+/// Skinned meshes, and the rigs of the instances that they are of.
+pub(super) struct Drawn<'a> {
+    pub skinned: &'a [SkinnedMesh],
+    pub rigs: &'a [&'a GpuRig],
+    pub vertices: &'a wgpu::Buffer,
+}
+
 impl ShadeStage {
     pub fn new(device: &Device) -> Self {
         let wgpu_device = &device.device;
@@ -100,20 +107,19 @@ impl ShadeStage {
         encoder: &mut wgpu::CommandEncoder,
         picture: &Picture,
         targets: &Targets,
-        skinned: &[(SkinnedMesh, &GpuRig)],
-        vertices: &wgpu::Buffer,
+        drawn: &Drawn<'_>,
     ) {
         self.prepare(device, picture);
         let background = picture.scene.background.premultiplied();
         let mut pass = begin(encoder, &targets.color, Some(background), targets);
         self.draw_lines(&mut pass, picture);
         let Some(skin_color) = &targets.skin_color else {
-            return self.draw_skin(&mut pass, picture, skinned, vertices);
+            return self.draw_skin(&mut pass, picture, drawn);
         };
         drop(pass);
         // With the depth of the lines, so that skin behind one stays behind it.
         let mut pass = begin(encoder, skin_color, None, targets);
-        self.draw_skin(&mut pass, picture, skinned, vertices);
+        self.draw_skin(&mut pass, picture, drawn);
     }
 
     /// Writes what the passes read, and makes the pipelines that were not needed before.
@@ -147,20 +153,15 @@ impl ShadeStage {
         pass.draw(0..6, 0..picture.lines.len() as u32);
     }
 
-    fn draw_skin(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        picture: &Picture,
-        skinned: &[(SkinnedMesh, &GpuRig)],
-        vertices: &wgpu::Buffer,
-    ) {
+    fn draw_skin(&self, pass: &mut wgpu::RenderPass<'_>, picture: &Picture, drawn: &Drawn<'_>) {
         if !picture.skin_is_shown {
             return;
         }
         pass.set_pipeline(&self.pipelines[&(Kind::Skin, picture.scene.samples)]);
         pass.set_bind_group(0, &self.view_group, &[]);
-        for (place, rig) in skinned {
-            let mesh = &rig.meshes[place.uploaded];
+        let vertices = drawn.vertices;
+        for place in drawn.skinned {
+            let mesh = &drawn.rigs[place.instance].meshes[place.uploaded];
             if mesh.index_count > 0 {
                 pass.set_vertex_buffer(0, vertices.slice(place.positions_start..));
                 pass.set_vertex_buffer(1, vertices.slice(place.normals_start..));

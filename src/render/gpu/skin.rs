@@ -4,7 +4,7 @@ use super::buffers::Growing;
 use super::device::Device;
 use super::layout::SkinJob;
 use super::shaders;
-use super::upload::{GpuMesh, Uploads};
+use super::upload::{GpuMesh, GpuRig};
 use crate::pose::SkinMatrix;
 use crate::render::Instance;
 use wgpu::{BufferUsages, ShaderStages};
@@ -114,23 +114,22 @@ impl SkinStage {
             .sum()
     }
 
-    /// Writes palettes and records the skin pass. The rigs of all instances stand in `uploads`.
+    /// Writes palettes and records the skin pass. `rigs` are those of `instances`, in step.
     pub fn encode(
         &mut self,
         device: &Device,
-        uploads: &mut Uploads,
         encoder: &mut wgpu::CommandEncoder,
         instances: &[Instance],
+        rigs: &[&GpuRig],
     ) -> Vec<SkinnedMesh> {
         let Scratch { palette, jobs } = &mut self.scratch;
         palette.clear();
         jobs.clear();
         let mut skinned = Vec::new();
         let mut floats: u32 = 0;
-        for (instance, of_instance) in instances.iter().enumerate() {
+        for (instance, (of_instance, rig)) in instances.iter().zip(rigs).enumerate() {
             let first_matrix = palette.len() as u32;
             palette.extend_from_slice(of_instance.palette().matrices());
-            let rig = uploads.get(device, &self.mesh_layout, of_instance.rig());
             for (
                 uploaded,
                 GpuMesh {
@@ -184,11 +183,8 @@ impl SkinStage {
         let mut pass = encoder.begin_compute_pass(&descriptor);
         pass.set_pipeline(&self.pipeline);
         let mut offset = 0;
-        for of_instance in instances {
-            for mesh in &uploads
-                .get(device, &self.mesh_layout, of_instance.rig())
-                .meshes
-            {
+        for rig in rigs {
+            for mesh in &rig.meshes {
                 pass.set_bind_group(0, &self.bind_group, &[offset]);
                 pass.set_bind_group(1, &mesh.bind_group, &[]);
                 let groups = mesh.vertex_count.div_ceil(shaders::WORKGROUP);

@@ -32,20 +32,20 @@ pub(super) struct Uploads {
 }
 
 impl Uploads {
-    pub fn get(
-        &mut self,
-        device: &Device,
-        layout: &wgpu::BindGroupLayout,
-        rig: &Arc<Rig>,
-    ) -> &GpuRig {
+    pub fn upload(&mut self, device: &Device, layout: &wgpu::BindGroupLayout, rig: &Arc<Rig>) {
         self.rigs
             .entry(rig.id())
-            .or_insert_with(|| GpuRig::upload(device, layout, rig))
+            .or_insert_with(|| GpuRig::upload(device, layout, rig));
     }
 
-    /// A rig that is uploaded already.
-    pub fn find(&self, rig: &Rig) -> Option<&GpuRig> {
+    /// A rig that was [uploaded](Self::upload).
+    pub fn get(&self, rig: &Rig) -> Option<&GpuRig> {
         self.rigs.get(&rig.id())
+    }
+
+    /// Uploads these again when they are next drawn.
+    pub fn forget(&mut self, rigs: impl Iterator<Item = RigId>) {
+        rigs.for_each(|rig| drop(self.rigs.remove(&rig)));
     }
 
     /// Frees the device memory of rigs that were unloaded.
