@@ -18,11 +18,10 @@ fn resolve(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= job.width {
         return;
     }
-    var color = textureLoad(base_layer, id.xy, 0);
-    if job.layers == 2u {
-        let skin = textureLoad(skin_layer, id.xy, 0);
-        color = skin + color * (1.0 - skin.a);
-    }
+    // No branch: Mesa's software driver (22.3) compiles a shader that branches on a uniform anew for each dispatch, and keeps every one.
+    let base = textureLoad(base_layer, id.xy, 0);
+    let skin = select(vec4(0.0), textureLoad(skin_layer, id.xy, 0), job.layers == 2u);
+    let color = skin + base * (1.0 - skin.a);
     let straight = select(vec3(0.0), color.rgb / max(color.a, 1e-6), color.a > 0.0);
     let encoded = vec4(srgb(clamp(straight, vec3(0.0), vec3(1.0))), clamp(color.a, 0.0, 1.0));
     pixels[id.y * job.width + id.x] = pack4x8unorm(encoded);

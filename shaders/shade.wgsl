@@ -5,13 +5,18 @@
 
 struct Vertex {
     @builtin(position) position_in_clip: vec4<f32>,
-    @location(0) position_in_world: vec3<f32>,
-    @location(1) normal_in_world: vec3<f32>,
+    // Where a pixel's middle lies outside the triangle, these are of a place inside: carried on past the silhouette a normal turns
+    // away from the eye and catches light from behind.
+    @location(0) @interpolate(perspective, centroid) position_in_world: vec3<f32>,
+    @location(1) @interpolate(perspective, centroid) normal_in_world: vec3<f32>,
+    // Of the pixel's middle in any case, so that its derivatives are the triangle's slope.
+    @location(2) middle_in_world: vec3<f32>,
 }
 
 @vertex
 fn skin_vertex(@location(0) position_in_world: vec3<f32>, @location(1) normal_in_world: vec3<f32>) -> Vertex {
-    return Vertex(view.clip_from_world * vec4(position_in_world, 1.0), position_in_world, normal_in_world);
+    let position_in_clip = view.clip_from_world * vec4(position_in_world, 1.0);
+    return Vertex(position_in_clip, position_in_world, normal_in_world, position_in_world);
 }
 
 @fragment
@@ -21,7 +26,7 @@ fn skin_fragment(vertex: Vertex, @builtin(front_facing) is_front: bool) -> @loca
     let back_to_eye = normalize(view.eye_in_world.xyz - p * view.eye_in_world.w);
     var n = vertex.normal_in_world;
     // Derivatives need uniform control flow, so the flat normal is found in any case.
-    let flat_normal = cross(dpdx(p), dpdy(p));
+    let flat_normal = cross(dpdx(vertex.middle_in_world), dpdy(vertex.middle_in_world));
     if view.flat_normals == 1u {
         n = select(flat_normal, -flat_normal, dot(flat_normal, back_to_eye) < 0.0);
     } else if !is_front {

@@ -13,6 +13,8 @@ use std::time::{Duration, Instant};
 const TICK: Duration = Duration::from_millis(100);
 /// Once it stops, how long a silence means that nothing more has arrived.
 const LAST_TICK: Duration = Duration::from_millis(20);
+/// After the grace time, how long requests are still read, each to be told that it came too late.
+const LAST_WORDS: Duration = Duration::from_secs(1);
 /// How long input is thrown away so that the last reply is not lost to a reset.
 const LINGER: Duration = Duration::from_secs(1);
 
@@ -67,7 +69,11 @@ fn read(shared: &Shared, stream: &TcpStream, queue: &Queue) {
     let mut is_first = true;
     // Back-pressure: no line is read before there is room for its reply.
     while queue.wait_for_room() {
-        if shared.grace_end().is_some_and(|end| Instant::now() >= end) {
+        // What had arrived is still answered when the grace time is over, but a client that goes on asking is not heard for ever.
+        if shared
+            .grace_end()
+            .is_some_and(|end| Instant::now() >= end + LAST_WORDS)
+        {
             return;
         }
         let message = match lines.next_line(&wait, &on_bytes) {

@@ -108,6 +108,8 @@ impl Server {
         while let Ok((stream, _)) = self.listener.accept() {
             self.shared.serve(stream, &mut open);
         }
+        // Whoever comes from here on is refused at once, and not left waiting for a server that is about to go.
+        drop(self.listener);
         for thread in open.threads {
             // A connection's panic has ended that connection alone.
             let _ = thread.join();

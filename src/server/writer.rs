@@ -114,11 +114,12 @@ pub(super) fn run(shared: &Shared, stream: &TcpStream, queue: &Queue) {
 
 fn wait(shared: &Shared, pending: &Pending) -> Outgoing {
     loop {
-        if let Some(reply) = pending.wait_for(TICK) {
-            return reply;
-        }
+        // What has a reply already keeps it; nothing else is waited for any more.
         if shared.grace_end().is_some_and(|end| Instant::now() >= end) {
             pending.shut_down();
+        }
+        if let Some(reply) = pending.wait_for(TICK) {
+            return reply;
         }
     }
 }

@@ -129,7 +129,10 @@ impl Call<'_> {
                 let path = "pose.dof_values.attach";
                 let bytes = attach
                     .of(self.attached, path)
-                    .map_err(|fault| no_such(path, fault.to_string()))?;
+                    .map_err(|fault| match fault {
+                        Fault::InvalidParams { path, message } => no_such(path, message),
+                        other => no_such(path, other.to_string()),
+                    })?;
                 let (words, rest) = bytes.as_chunks::<4>();
                 if !rest.is_empty() {
                     return Err(no_such(

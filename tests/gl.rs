@@ -1,0 +1,124 @@
+//! Does wgpu's GL backend draw what Vulkan draws? Where there is no GL adapter, these tests say so and pass.
+
+mod support;
+
+use rigd::engine::{Engine, EngineError, RendererChoice};
+use rigd::formats::Source;
+use rigd::limits::Limits;
+use rigd::render::gpu::{AdapterChoice, AdapterError, Backend};
+use rigd::service::Service;
+use serde_json::{Value, json};
+use std::sync::{Arc, LazyLock};
+use support::pictures::{Tolerance, ask_attached, attached_bytes, draw, matches};
+
+/// The same rasterizer rules, other shader compilers: rounding anywhere, and one sample of four on a few edges, which is linear 0.25.
+const PICTURES: Tolerance = Tolerance {
+    channel: 0,
+    share: 0.0,
+    most: 0,
+};
+
+/// Of positions in meters and of unit normals: a few steps of float32, summed in another order.
+const VERTICES: f32 = 0.0;
+
+/// GL's and Vulkan's, or `None` where one is missing.
+static SERVICES: LazyLock<Option<[Arc<Service>; 2]>> = LazyLock::new(|| {
+    let opened = [Backend::Gl, Backend::Vulkan].map(|backend| {
+        let adapter = AdapterChoice::Backend(backend);
+        let choice = RendererChoice {
+            adapter,
+            require_gpu: false,
+        };
+        match Engine::open(choice, Limits::default()) {
+            Ok(engine) => {
+                println!("drawing with {}", engine.adapter());
+                let (figure, source) = (support::figure(), Source::inline_only());
+                engine
+                    .load(None, &figure, &source, false)
+                    .expect("the built-in figure loads");
+                Some(Service::new(engine, source))
+            }
+            Err(EngineError::Adapter(AdapterError::NoMatch { .. } | AdapterError::None)) => None,
+            // An adapter that is there and does not open is a fault.
+            Err(error) => panic!("{error}"),
+        }
+    });
+    match opened {
+        [Some(gl), Some(vulkan)] => Some([gl, vulkan]),
+        _ => None,
+    }
+});
+
+fn both() -> Option<&'static [Arc<Service>; 2]> {
+    let both = SERVICES.as_ref();
+    if both.is_none() {
+        println!("SKIPPED: there is no GL adapter, or no Vulkan adapter to compare it with");
+    }
+    both
+}
+
+#[test]
+fn both_backends_draw_the_same_pictures() {
+    let Some([gl, vulkan]) = both() else { return };
+    for (name, changes) in [
+        ("one sample", json!({"samples": 1})),
+        ("four samples", json!({"samples": 4})),
+        ("flat", json!({"show": {"normals": "flat"}})),
+        (
+            "translucent",
+            json!({"show": {"skin_opacity": 0.5, "skeleton": "wireframe"}, "background": [0.2, 0.1, 0.0, 0.5]}),
+        ),
+        (
+            "skeleton",
+            json!({"show": {"skin": "none", "skeleton": "wireframe"}}),
+        ),
+        (
+            "pinhole, wide",
+            json!({"size": [160, 90], "camera": {"kind": "pinhole", "fx": 150, "fy": 150, "cx": 60, "cy": 50,
+                "world_from_camera": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0.9, 4, 1]}}),
+        ),
+    ] {
+        let mut request = json!({"rig": "figure", "size": [120, 160], "pose": {"base": "rest"}});
+        let changes: serde_json::Map<String, Value> =
+            serde_json::from_value(changes).expect("fields");
+        request.as_object_mut().expect("an object").extend(changes);
+        let [by_gl, by_vulkan] = [gl, vulkan].map(|service| draw(service, &request).image);
+        let first = by_vulkan.at(0, 0);
+        assert!(
+            by_vulkan.iter().any(|it| it.2 != first),
+            "{name}: something is drawn"
+        );
+        let differing = by_gl.pixels.iter().zip(&by_vulkan.pixels);
+        let differing = differing.filter(|(a, b)| a != b).count();
+        println!(
+            "{name}: {differing} pixels differ, at most by {}",
+            by_gl.worst_difference(&by_vulkan)
+        );
+        assert_eq!(
+            matches(Some(&by_vulkan), &by_gl, PICTURES),
+            Ok(()),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn both_backends_skin_the_same_vertices() {
+    let Some([gl, vulkan]) = both() else { return };
+    let request = json!({"rig": "figure", "pose": {"base": "rest"}, "transport": "attach"});
+    for attribute in ["positions", "normals"] {
+        let [by_gl, by_vulkan] = [gl, vulkan].map(|service| -> Vec<f32> {
+            let (result, attached) = ask_attached(service, "mesh.vertices", &request);
+            let bytes = attached_bytes(&result["meshes"][0][attribute], &attached);
+            let words = bytes.as_chunks::<4>().0.iter();
+            words.map(|word| f32::from_le_bytes(*word)).collect()
+        });
+        assert_eq!(by_gl.len(), by_vulkan.len());
+        assert!(by_gl.len() > 3000);
+        let off = by_gl.iter().zip(&by_vulkan).map(|(a, b)| (a - b).abs());
+        // Not `max`, which would pass over what is not a number.
+        let worst = off.fold(0.0f32, |worst, off| if off <= worst { worst } else { off });
+        println!("{attribute}: at most {worst:e}");
+        assert!(worst <= VERTICES, "{attribute}: {worst}");
+    }
+}
