@@ -319,10 +319,7 @@ fn a_pose_set_before_a_picture_is_in_the_picture() {
     let mut wire = server.connect();
     // A name of its own, since the stored pose is everybody's.
     let files: Vec<Value> = [
-        (
-            "figure.skel",
-            include_str!("../assets/figure.skel"),
-        ),
+        ("figure.skel", include_str!("../assets/figure.skel")),
         ("figure.skin", include_str!("../assets/figure.skin")),
     ]
     .map(|(name, text)| json!({"name": name, "text": text}))

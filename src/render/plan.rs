@@ -5,7 +5,8 @@
 //!    normal where that is zero. The cofactor matrix has the cross products of `M`'s columns as its columns, which is right under
 //!    any scale, and turns normals over with the winding where `M` mirrors.
 //! 2. **Raster**: standard 4-sample positions, or the pixel's center; depth is reversed and the nearest wins; nothing is culled.
-//! 3. **Shade**, per pixel, in world space and linear RGB, `n` flipped toward the side that is seen:
+//! 3. **Shade**, per pixel and triangle, in world space and linear RGB, at the pixel's center, or at a place the triangle covers where it
+//!    does not cover that; `n` flipped toward the side that is seen:
 //!    `ambient · diffuse + Σ radiance · (diffuse · max(n·l, 0) + [n·l > 0] · specular · max(n·h, 0)^shininess)`, clamped to 0..1.
 //!    A flat normal is the triangle's own.
 //! 4. **Blend**: skeleton first; the nearest surface of the skin is laid over what is there by its opacity; the skeleton behind an
