@@ -1,6 +1,7 @@
 //! The format-free character: readers fill a [`Draft`], [`Draft::build`] validates it once, and a [`Rig`] can no longer be wrong.
 //! Never lives here: anything that knows a file format, a pose or a GPU.
 
+mod build;
 mod dof;
 mod draft;
 mod material;

@@ -2,7 +2,6 @@
 
 use super::answer::Answer;
 use super::{Call, describe};
-use crate::engine::Terms;
 use crate::frame::SkinnedVertices;
 use crate::protocol::blob::{ArrayTransport, Blob, Numbers};
 use crate::protocol::mesh as wire;
@@ -27,16 +26,7 @@ impl Call<'_> {
         let (posed, clamped) = self.posed(&params.pose, &found)?;
         let clamped = describe::clamped(&rig, &clamped);
         let vertex_count: usize = queries.iter().map(|query| query.count).sum();
-        let held = self
-            .engine()
-            .admission()
-            .hold(BYTES_PER_BYTE * 24 * vertex_count as u64);
-        let held = held.map_err(|error| self.busy(error))?;
-        let ticket = self
-            .engine()
-            .admission()
-            .admit()
-            .map_err(|error| self.busy(error))?;
+        let (held, terms) = self.take_on(BYTES_PER_BYTE * 24 * vertex_count as u64)?;
 
         let shape = match params.state {
             wire::VertexState::Posed => Shape::Posed,
@@ -46,10 +36,6 @@ impl Call<'_> {
             return Ok(());
         };
         let stats = Arc::clone(&self.service.stats);
-        let terms = Terms {
-            urgency: self.urgency.clone(),
-            ticket,
-        };
         self.engine().vertices(
             posed,
             shape,
@@ -85,11 +71,7 @@ impl Call<'_> {
     ) -> Result<(), Fault> {
         let rig = self.engine().rig(&params.rig)?.loaded.rig.clone();
         let bytes = 12 * rig.triangle_count() + 8 * rig.vertex_count();
-        let held = self
-            .engine()
-            .admission()
-            .hold(BYTES_PER_BYTE * bytes as u64);
-        let held = held.map_err(|error| self.busy(error))?;
+        let held = self.hold(BYTES_PER_BYTE * bytes as u64)?;
         let mut attachments = Attachments::default();
         let mut meshes = Vec::with_capacity(rig.meshes().len());
         for mesh in rig.meshes() {

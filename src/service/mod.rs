@@ -10,6 +10,7 @@ mod frame;
 mod mesh;
 mod pose;
 mod rig;
+mod scene;
 mod server;
 mod stats;
 
@@ -17,7 +18,7 @@ pub use answer::{Outgoing, Pending};
 pub use describe::describe_files;
 pub use stats::Stats;
 
-use crate::engine::{Engine, Urgency};
+use crate::engine::{Engine, EngineError, HeldBytes, Terms, Urgency};
 use crate::formats::Source;
 use crate::limits::Limits;
 use crate::protocol::{self, BadRequest, ErrorObject, Fault, Id, Method, Request, error_line};
@@ -304,5 +305,46 @@ impl Call<'_> {
 
     fn engine(&self) -> &Engine {
         &self.service.engine
+    }
+
+    /// Room for a result of that size, and the terms on which the engine works on it.
+    fn take_on(&self, bytes: u64) -> Result<(HeldBytes, Terms), Fault> {
+        let held = self.hold(bytes)?;
+        let ticket = self
+            .engine()
+            .admission()
+            .admit()
+            .map_err(|error| self.busy(error))?;
+        Ok((
+            held,
+            Terms {
+                urgency: self.urgency.clone(),
+                ticket,
+            },
+        ))
+    }
+
+    fn hold(&self, bytes: u64) -> Result<HeldBytes, Fault> {
+        self.engine()
+            .admission()
+            .hold(bytes)
+            .map_err(|error| self.busy(error))
+    }
+
+    /// With a guess at when the renderer will have room again.
+    fn busy(&self, error: EngineError) -> Fault {
+        match error {
+            EngineError::Busy { queue_depth } => {
+                let drained = self.service.stats.mean_render()
+                    * u32::try_from(queue_depth).unwrap_or(u32::MAX)
+                    / 2;
+                let retry_after_ms = (drained.as_millis() as u64).clamp(10, 5_000);
+                Fault::Busy {
+                    retry_after_ms,
+                    queue_depth,
+                }
+            }
+            other => other.into(),
+        }
     }
 }

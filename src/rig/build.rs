@@ -1,0 +1,433 @@
+//! The one place where a draft is validated. Readers report faults with their line and column; what is checked here again is what
+//! the rest of the program relies on, whoever filled the draft.
+
+use super::{
+    Axis, Binding, BindingDraft, Dofs, Draft, Influence, Joint, JointDraft, LARGEST_COORDINATE,
+    Limit, Mesh, MeshDraft, Rig, RigError, RigId, Skeleton, Warnings, names,
+};
+use crate::limits::Limits;
+use glam::Vec3;
+
+/// Files print weights with four or five decimals; a sum further off than this was not meant to be 1.
+const WEIGHT_SUM_TOLERANCE: f64 = 1e-3;
+
+impl Draft {
+    /// Validates the draft and completes it: names made unique, rest clamped into its limits, weights divided by their sum, normals
+    /// made unit length or computed, triangles wound about their normals.
+    ///
+    /// # Errors
+    /// [`RigError`] names the first thing found wrong, or the ceiling that the rig exceeds.
+    pub fn build(mut self, limits: &Limits) -> Result<Rig, RigError> {
+        if self.joints.is_empty() && self.meshes.is_empty() {
+            return Err(RigError::Empty);
+        }
+        limits.joints(self.joints.len())?;
+        limits.vertices(
+            self.meshes
+                .iter()
+                .map(|mesh| mesh.positions.len())
+                .sum::<usize>(),
+        )?;
+        limits.triangles(
+            self.meshes
+                .iter()
+                .map(|mesh| mesh.triangles.len())
+                .sum::<usize>(),
+        )?;
+        limits.influences(
+            self.meshes
+                .iter()
+                .map(|mesh| mesh.influences.len())
+                .sum::<usize>(),
+        )?;
+
+        let skeleton = build_skeleton(self.joints)?;
+        let mut bindings = build_bindings(&self.bindings, skeleton.joints().len())?;
+        let mesh_names = names::unique("mesh", self.meshes.iter().map(|mesh| mesh.name.as_str()));
+        let material_names = names::unique(
+            "material",
+            self.materials.iter().map(|material| material.name.as_str()),
+        );
+        for (material, name) in self.materials.iter_mut().zip(material_names) {
+            material.name = name;
+        }
+        let mut meshes = Vec::with_capacity(self.meshes.len());
+        for (index, (mesh, name)) in self.meshes.into_iter().zip(mesh_names).enumerate() {
+            meshes.push(
+                MeshBuild {
+                    index,
+                    mesh,
+                    warnings: &mut self.warnings,
+                }
+                .build(name, &mut bindings, self.materials.len())?,
+            );
+        }
+        Ok(Rig {
+            id: RigId::next(),
+            dofs: Dofs::of(&skeleton),
+            skeleton,
+            meshes,
+            bindings,
+            materials: self.materials,
+            warnings: self.warnings.into_sentences(),
+        })
+    }
+}
+
+/// Finite, and no larger than [`LARGEST_COORDINATE`].
+fn is_usable(numbers: &[f64]) -> bool {
+    numbers
+        .iter()
+        .all(|number| number.abs() <= LARGEST_COORDINATE)
+}
+
+fn are_usable(numbers: &[f32]) -> bool {
+    numbers
+        .iter()
+        .all(|number| number.abs() <= LARGEST_COORDINATE as f32)
+}
+
+fn finite(is_finite: bool, what: impl FnOnce() -> String) -> Result<(), RigError> {
+    if is_finite {
+        Ok(())
+    } else {
+        Err(RigError::NotFinite { what: what() })
+    }
+}
+
+fn build_skeleton(drafts: Vec<JointDraft>) -> Result<Skeleton, RigError> {
+    let unique_names = names::unique("joint", drafts.iter().map(|joint| joint.name.as_str()));
+    let mut joints = Vec::with_capacity(drafts.len());
+    for (index, (draft, name)) in drafts.into_iter().zip(unique_names).enumerate() {
+        match draft.parent {
+            Some(parent) if parent >= index => {
+                return Err(RigError::ParentNotBefore {
+                    joint: index,
+                    parent,
+                });
+            }
+            None if index > 0 => return Err(RigError::SecondRoot { joint: index }),
+            _ => {}
+        }
+        let corners_finite = draft
+            .bounding_box
+            .is_none_or(|corners| corners.iter().all(|corner| is_usable(&corner.to_array())));
+        finite(
+            is_usable(&draft.offset.to_array())
+                && is_usable(&draft.rest_angles.to_array())
+                && corners_finite,
+            || format!("the offset, pose or box of joint `{name}`"),
+        )?;
+        let mut rest_angles = draft.rest_angles;
+        for axis in Axis::ALL {
+            let Limit { min, max } = draft.rotation_limits[axis.index()];
+            finite(!min.is_nan() && !max.is_nan(), || {
+                format!("a limit of joint `{name}`")
+            })?;
+            if min > max {
+                return Err(RigError::LimitReversed {
+                    joint: index,
+                    min,
+                    max,
+                });
+            }
+            rest_angles[axis.index()] =
+                draft.rotation_limits[axis.index()].clamp(rest_angles[axis.index()]);
+        }
+        joints.push(Joint {
+            name,
+            parent: draft.parent,
+            offset: draft.offset,
+            rotation_order: draft.rotation_order,
+            rest_angles,
+            rotation_limits: draft.rotation_limits,
+            translates: draft.translates,
+            bounding_box: draft.bounding_box.map(|[a, b]| [a.min(b), a.max(b)]),
+        });
+    }
+    Ok(Skeleton::new(joints))
+}
+
+fn build_bindings(drafts: &[BindingDraft], joint_count: usize) -> Result<Vec<Binding>, RigError> {
+    let build = |(index, draft): (usize, &BindingDraft)| {
+        if let Some(joint) = draft.joint.filter(|&joint| joint >= joint_count) {
+            let (what, target) = ("binding", "joint");
+            return Err(RigError::OutOfRange {
+                mesh: 0,
+                what,
+                index,
+                target,
+                found: joint,
+                count: joint_count,
+            });
+        }
+        finite(is_usable(&draft.bind_from_joint.to_cols_array()), || {
+            format!("the matrix of binding {index}")
+        })?;
+        let joint_from_bind = draft.bind_from_joint.inverse();
+        // A nearly singular matrix has an inverse that is only rounding error.
+        if !is_usable(&joint_from_bind.to_cols_array()) {
+            return Err(RigError::SingularBinding { binding: index });
+        }
+        Ok(Binding {
+            joint: draft.joint,
+            joint_from_bind,
+        })
+    };
+    drafts.iter().enumerate().map(build).collect()
+}
+
+struct MeshBuild<'a> {
+    index: usize,
+    mesh: MeshDraft,
+    warnings: &'a mut Warnings,
+}
+
+impl MeshBuild<'_> {
+    fn build(
+        mut self,
+        name: String,
+        bindings: &mut Vec<Binding>,
+        material_count: usize,
+    ) -> Result<Mesh, RigError> {
+        self.check_counts()?;
+        self.check_numbers(&name)?;
+        self.check_indices(bindings.len(), material_count)?;
+        let (influence_starts, influences) = self.build_influences(&name, bindings);
+        let normals = self.build_normals();
+        let mesh = self.mesh;
+        let draw_triangles = mesh
+            .triangles
+            .iter()
+            .map(|&t| wound_about_normals(t, &mesh.positions, &normals))
+            .collect();
+        Ok(Mesh {
+            name,
+            positions: mesh.positions,
+            normals,
+            texcoords: mesh.texcoords,
+            influence_starts,
+            influences,
+            triangles: mesh.triangles,
+            draw_triangles,
+            material: mesh.material,
+        })
+    }
+
+    fn check_counts(&self) -> Result<(), RigError> {
+        let vertices = self.mesh.positions.len();
+        let claimed: usize = self
+            .mesh
+            .influence_counts
+            .iter()
+            .map(|&count| count as usize)
+            .sum();
+        let counts = [
+            ("normals", self.mesh.normals.as_ref().map(Vec::len)),
+            (
+                "texture coordinates",
+                self.mesh.texcoords.as_ref().map(Vec::len),
+            ),
+            (
+                "lists of influences",
+                Some(self.mesh.influence_counts.len()).filter(|&count| count > 0),
+            ),
+        ];
+        for (what, found) in counts {
+            if let Some(found) = found.filter(|&found| found != vertices) {
+                return Err(RigError::CountsDiffer {
+                    mesh: self.index,
+                    vertices,
+                    what,
+                    found,
+                });
+            }
+        }
+        if claimed != self.mesh.influences.len() {
+            let (what, found) = (
+                "influences in all, which its counts do not sum to",
+                self.mesh.influences.len(),
+            );
+            return Err(RigError::CountsDiffer {
+                mesh: self.index,
+                vertices,
+                what,
+                found,
+            });
+        }
+        Ok(())
+    }
+
+    fn check_numbers(&self, name: &str) -> Result<(), RigError> {
+        let mesh = &self.mesh;
+        finite(
+            mesh.positions.iter().all(|p| are_usable(&p.to_array())),
+            || format!("a position of mesh `{name}`"),
+        )?;
+        finite(
+            mesh.normals
+                .iter()
+                .flatten()
+                .all(|n| are_usable(&n.to_array())),
+            || format!("a normal of mesh `{name}`"),
+        )?;
+        finite(
+            mesh.texcoords
+                .iter()
+                .flatten()
+                .all(|uv| are_usable(&uv.to_array())),
+            || format!("a texture coordinate of mesh `{name}`"),
+        )?;
+        finite(
+            mesh.influences.iter().all(|(_, weight)| weight.is_finite()),
+            || format!("a weight of mesh `{name}`"),
+        )
+    }
+
+    fn check_indices(&self, binding_count: usize, material_count: usize) -> Result<(), RigError> {
+        let mesh = self.index;
+        let out_of_range = |what, index, target, found, count| {
+            Err(RigError::OutOfRange {
+                mesh,
+                what,
+                index,
+                target,
+                found,
+                count,
+            })
+        };
+        let vertex_count = self.mesh.positions.len();
+        for (index, triangle) in self.mesh.triangles.iter().enumerate() {
+            if let Some(&vertex) = triangle
+                .iter()
+                .find(|&&vertex| vertex as usize >= vertex_count)
+            {
+                return out_of_range("triangle", index, "vertex", vertex as usize, vertex_count);
+            }
+        }
+        for (index, &(binding, _)) in self.mesh.influences.iter().enumerate() {
+            if binding as usize >= binding_count {
+                return out_of_range(
+                    "influence",
+                    index,
+                    "binding",
+                    binding as usize,
+                    binding_count,
+                );
+            }
+        }
+        match self.mesh.material {
+            Some(material) if material >= material_count => {
+                out_of_range("material", 0, "material", material, material_count)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Weights are divided by their sum in f64. A vertex whose weights have no positive sum follows nothing, so it stays where it
+    /// was modelled, as every vertex of a mesh without influences does.
+    fn build_influences(
+        &mut self,
+        name: &str,
+        bindings: &mut Vec<Binding>,
+    ) -> (Vec<u32>, Vec<Influence>) {
+        let vertex_count = self.mesh.positions.len();
+        let mut starts = Vec::with_capacity(vertex_count + 1);
+        let mut influences = Vec::with_capacity(self.mesh.influences.len().max(vertex_count));
+        let mut world = None;
+        let mut off_sums = 0usize;
+        let mut unbound = 0usize;
+        let mut first = 0;
+        starts.push(0);
+        for vertex in 0..vertex_count {
+            let count = self
+                .mesh
+                .influence_counts
+                .get(vertex)
+                .map_or(0, |&count| count as usize);
+            let of_vertex = &self.mesh.influences[first..first + count];
+            first += count;
+            let sum: f64 = of_vertex.iter().map(|(_, weight)| weight).sum();
+            if sum > 0.0 && sum.is_finite() {
+                off_sums += usize::from((sum - 1.0).abs() > WEIGHT_SUM_TOLERANCE);
+                influences.extend(of_vertex.iter().map(|&(binding, weight)| Influence {
+                    binding,
+                    weight: (weight / sum) as f32,
+                }));
+            } else {
+                unbound += 1;
+                let binding = *world.get_or_insert_with(|| {
+                    bindings.push(Binding::WORLD);
+                    bindings.len() as u32 - 1
+                });
+                influences.push(Influence {
+                    binding,
+                    weight: 1.0,
+                });
+            }
+            starts.push(influences.len() as u32);
+        }
+        if off_sums > 0 {
+            self.warnings
+                .push(|| format!("mesh `{name}`: the weights of {off_sums} vertices do not sum to 1; divided by their sum"));
+        }
+        if unbound > 0 && !self.mesh.influence_counts.is_empty() {
+            self.warnings.push(|| {
+                format!("mesh `{name}`: the weights of {unbound} vertices have no positive sum; they stay as modelled")
+            });
+        }
+        (starts, influences)
+    }
+
+    fn build_normals(&mut self) -> Vec<Vec3> {
+        let given = self.mesh.normals.take();
+        let unusable = |normals: &Vec<Vec3>| {
+            normals
+                .iter()
+                .any(|normal| normal.try_normalize().is_none())
+        };
+        if let Some(normals) = given.as_ref().filter(|normals| !unusable(normals)) {
+            return normals
+                .iter()
+                .map(|normal| normal.normalize_or(Vec3::Y))
+                .collect();
+        }
+        let mut computed = vec![Vec3::ZERO; self.mesh.positions.len()];
+        for &triangle in &self.mesh.triangles {
+            // Twice the triangle's area long, which is the weight that is wanted.
+            let area_vector = face_vector(triangle, &self.mesh.positions);
+            for corner in triangle {
+                computed[corner as usize] += area_vector;
+            }
+        }
+        let normals = given.unwrap_or_else(|| vec![Vec3::ZERO; computed.len()]);
+        normals
+            .iter()
+            .zip(computed)
+            // A vertex of no triangle, or of flat ones only, has no normal to find; any will do.
+            .map(|(given, computed)| {
+                given
+                    .try_normalize()
+                    .unwrap_or_else(|| computed.normalize_or(Vec3::Y))
+            })
+            .collect()
+    }
+}
+
+fn face_vector([a, b, c]: [u32; 3], positions: &[Vec3]) -> Vec3 {
+    let [a, b, c] = [a, b, c].map(|corner| positions[corner as usize]);
+    (b - a).cross(c - a)
+}
+
+fn wound_about_normals(triangle: [u32; 3], positions: &[Vec3], normals: &[Vec3]) -> [u32; 3] {
+    let [a, b, c] = triangle;
+    let normal_sum: Vec3 = triangle
+        .iter()
+        .map(|&corner| normals[corner as usize])
+        .sum();
+    if face_vector(triangle, positions).dot(normal_sum) < 0.0 {
+        [a, c, b]
+    } else {
+        triangle
+    }
+}

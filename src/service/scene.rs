@@ -1,0 +1,212 @@
+//! From the fields of a frame request to a [`Scene`].
+
+use super::{Call, fault};
+use crate::engine::EngineError;
+use crate::protocol::Fault;
+use crate::protocol::camera as wire_camera;
+use crate::protocol::frame as wire;
+use crate::scene::{
+    Background, Bounds, Camera, Color, Falloff, Light, LookAt, Near, Orbit, Pinhole, Samples,
+    Scene, SceneError, Show, ShowNormals, ShowSkeleton, ShowSkin, Size, Surface,
+};
+use glam::{DMat4, DVec3};
+
+impl Call<'_> {
+    /// `framed` is what the default camera frames.
+    pub(super) fn scene(
+        &self,
+        params: &wire::FrameParams,
+        framed: &Bounds,
+    ) -> Result<Scene, Fault> {
+        let limits = self.engine().limits();
+        let [width, height] = params.size;
+        let size = Size::new(width, height, limits).map_err(EngineError::from)?;
+        self.engine().capabilities().accept_size(size)?;
+        if params.outputs.is_empty() {
+            return Err(Fault::invalid_params(
+                "outputs",
+                "expected at least one output, but found none",
+            ));
+        }
+        let lights = match &params.lights {
+            None => Light::default_pair(),
+            Some(lights) => {
+                limits.lights(lights.len())?;
+                let light =
+                    |(index, light)| of_light(light).map_err(|error| fault::of_light(index, error));
+                lights
+                    .iter()
+                    .enumerate()
+                    .map(light)
+                    .collect::<Result<_, _>>()?
+            }
+        };
+        let scene = || -> Result<Scene, SceneError> {
+            Ok(Scene {
+                size,
+                samples: match params.samples {
+                    wire::Samples::One => Samples::One,
+                    wire::Samples::Four => Samples::Four,
+                },
+                camera: of_camera(&params.camera, framed, size)?,
+                lights,
+                ambient: params
+                    .ambient
+                    .map_or(Ok(Scene::DEFAULT_AMBIENT), |ambient| {
+                        Color::new(ambient, "ambient")
+                    })?,
+                surface: of_material(&params.material)?,
+                background: params
+                    .background
+                    .map_or(Ok(Background::default()), Background::new)?,
+                show: of_show(&params.show)?,
+            })
+        };
+        scene().map_err(|error| EngineError::from(error).into())
+    }
+}
+
+fn of_camera(
+    camera: &wire_camera::Camera,
+    framed: &Bounds,
+    size: Size,
+) -> Result<Camera, SceneError> {
+    match camera {
+        wire_camera::Camera::Orbit(orbit) => {
+            let wire_camera::Orbit {
+                target,
+                distance,
+                azimuth,
+                inclination,
+                fov_y,
+                near,
+            } = *orbit;
+            let target = target.map(DVec3::from_array);
+            Camera::orbit(
+                Orbit {
+                    target,
+                    distance,
+                    azimuth,
+                    inclination,
+                    fov_y,
+                    near: Near(near),
+                },
+                framed,
+                size,
+            )
+        }
+        wire_camera::Camera::LookAt(look) => {
+            let wire_camera::LookAt {
+                eye,
+                target,
+                up,
+                fov_y,
+                height,
+                near,
+            } = *look;
+            let (eye, target) = (DVec3::from_array(eye), DVec3::from_array(target));
+            let up = up.map_or(DVec3::Y, DVec3::from_array);
+            Camera::look_at(
+                LookAt {
+                    eye,
+                    target,
+                    up,
+                    fov_y,
+                    height,
+                    near: Near(near),
+                },
+                framed,
+                size,
+            )
+        }
+        wire_camera::Camera::Pinhole(pinhole) => {
+            let wire_camera::Pinhole {
+                fx,
+                fy,
+                cx,
+                cy,
+                world_from_camera,
+                axes,
+                near,
+            } = *pinhole;
+            let given = DMat4::from_cols_array(&world_from_camera);
+            let world_from_camera = match axes {
+                wire_camera::Axes::Gl => given,
+                wire_camera::Axes::Cv => given * DMat4::from_scale(DVec3::new(1.0, -1.0, -1.0)),
+            };
+            Camera::pinhole(
+                Pinhole {
+                    fx,
+                    fy,
+                    cx,
+                    cy,
+                    world_from_camera,
+                    near: Near(near),
+                },
+                framed,
+                size,
+            )
+        }
+    }
+}
+
+fn of_light(light: &wire_camera::Light) -> Result<Light, SceneError> {
+    let white = [1.0; 3];
+    match light {
+        wire_camera::Light::Directional(light) => {
+            let color = Color::new(light.color.unwrap_or(white), "lights.color")?;
+            Light::directional(
+                DVec3::from_array(light.direction),
+                color,
+                light.intensity.unwrap_or(1.0),
+            )
+        }
+        wire_camera::Light::Point(light) => {
+            let color = Color::new(light.color.unwrap_or(white), "lights.color")?;
+            let falloff = match light.falloff {
+                wire_camera::Falloff::None => Falloff::None,
+                wire_camera::Falloff::InverseSquare => Falloff::InverseSquare,
+            };
+            Light::point(
+                DVec3::from_array(light.position),
+                color,
+                light.intensity.unwrap_or(1.0),
+                falloff,
+            )
+        }
+    }
+}
+
+fn of_material(material: &wire::Material) -> Result<Surface, SceneError> {
+    let Surface {
+        diffuse,
+        specular,
+        shininess,
+    } = Surface::default();
+    Surface::new(
+        material.diffuse.map_or(Ok(diffuse), |diffuse| {
+            Color::new(diffuse, "material.diffuse")
+        })?,
+        material.specular.map_or(Ok(specular), |specular| {
+            Color::new(specular, "material.specular")
+        })?,
+        material.shininess.unwrap_or(f64::from(shininess)),
+    )
+}
+
+fn of_show(show: &wire::Show) -> Result<Show, SceneError> {
+    let skin = match show.skin {
+        wire::ShowSkin::Posed => ShowSkin::Posed,
+        wire::ShowSkin::Bind => ShowSkin::Bind,
+        wire::ShowSkin::None => ShowSkin::None,
+    };
+    let skeleton = match show.skeleton {
+        wire::ShowSkeleton::None => ShowSkeleton::None,
+        wire::ShowSkeleton::Wireframe => ShowSkeleton::Wireframe,
+    };
+    let normals = match show.normals {
+        wire::ShowNormals::Smooth => ShowNormals::Smooth,
+        wire::ShowNormals::Flat => ShowNormals::Flat,
+    };
+    Show::new(skin, skeleton, normals, show.skin_opacity)
+}
