@@ -31,7 +31,7 @@ static SERVICES: LazyLock<Option<[Arc<Service>; 2]>> = LazyLock::new(|| {
         };
         match Engine::open(choice, Limits::default()) {
             Ok(engine) => {
-                println!("drawing with {}", engine.adapter());
+                support::note(&format!("drawing with {}", engine.adapter()));
                 let (figure, source) = (support::figure(), Source::inline_only());
                 engine
                     .load(None, &figure, &source, false)
@@ -52,7 +52,7 @@ static SERVICES: LazyLock<Option<[Arc<Service>; 2]>> = LazyLock::new(|| {
 fn both() -> Option<&'static [Arc<Service>; 2]> {
     let both = SERVICES.as_ref();
     if both.is_none() {
-        println!("SKIPPED: there is no GL adapter, or no Vulkan adapter to compare it with");
+        support::note("SKIPPED: there is no GL adapter, or no Vulkan adapter to compare it with");
     }
     both
 }

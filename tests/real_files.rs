@@ -1,18 +1,15 @@
 //! Are the files that people really have read, and read right? They are not ours to ship: where `../shared/rigs` is not there,
 //! these tests say so and pass.
 
+mod support;
+
 use rigd::formats::{FileRef, Loaded, Source, load};
 use rigd::limits::Limits;
-use std::path::Path;
 
-const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/rigs/cse169");
-
+/// The folder of the CSE 169 rigs, where it is.
 fn source() -> Option<Source> {
-    let source = Source::rooted(Path::new(FOLDER)).ok();
-    if source.is_none() {
-        println!("left out: there is no {FOLDER}");
-    }
-    source
+    let folder = support::real_rigs()?.join("cse169");
+    Some(Source::rooted(&folder).expect("the folder can be opened"))
 }
 
 fn loaded(source: &Source, files: &[&str]) -> Loaded {

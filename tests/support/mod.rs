@@ -13,6 +13,7 @@ use rigd::limits::Limits;
 use rigd::protocol::{ErrorObject, Reply};
 use rigd::service::Service;
 use serde_json::{Value, json};
+use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -26,11 +27,17 @@ pub fn renderer() -> RendererChoice {
     }
 }
 
+/// A line in the test's log also where the test passes: what `println!` prints is then thrown away.
+pub fn note(line: &str) {
+    // A log that is closed misses nothing.
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
 /// A renderer of its own, named in the test's log.
 pub fn engine(limits: Limits) -> Engine {
     let engine = Engine::open(renderer(), limits)
         .expect("a graphics adapter; `make setup` installs a software one");
-    println!("drawing with {}", engine.adapter());
+    note(&format!("drawing with {}", engine.adapter()));
     engine
 }
 
@@ -65,7 +72,7 @@ pub fn figure() -> Vec<FileRef> {
 pub fn real_rigs() -> Option<PathBuf> {
     let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/rigs"));
     if !folder.is_dir() {
-        println!("SKIPPED: no real rigs in {}", folder.display());
+        note(&format!("SKIPPED: no real rigs in {}", folder.display()));
         return None;
     }
     Some(folder)
