@@ -302,7 +302,9 @@ fn pipelined_pictures_come_in_order_and_hold_nobody_up() {
             }
         });
         // Once they are on their way, somebody who wants next to nothing is answered long before the last of them.
+        let end = Instant::now() + support::server::PATIENCE;
         while received.load(Ordering::SeqCst) == 0 {
+            assert!(Instant::now() < end, "not one picture came");
             std::thread::yield_now();
         }
         other.assert_alive();

@@ -13,14 +13,12 @@ use std::time::{Duration, Instant};
 const TICK: Duration = Duration::from_millis(100);
 /// Once it stops, how long a silence means that nothing more has arrived.
 const LAST_TICK: Duration = Duration::from_millis(20);
-/// After the grace time, how long requests are still read, each to be told that it came too late.
-const LAST_WORDS: Duration = Duration::from_secs(1);
 /// How long input is thrown away so that the last reply is not lost to a reset.
 const LINGER: Duration = Duration::from_secs(1);
 
 /// Serves `stream` until either side is done with it.
 pub(super) fn run(shared: &Arc<Shared>, stream: &TcpStream, place: Place) {
-    if prepare(shared, stream).is_err() {
+    if prepare(stream).is_err() {
         // The peer is gone already.
         return;
     }
@@ -28,6 +26,8 @@ pub(super) fn run(shared: &Arc<Shared>, stream: &TcpStream, place: Place) {
     let queue = Queue::new(in_flight);
     std::thread::scope(|scope| {
         let queue = &queue;
+        // Even where reading panics: the scope waits for the other thread, and that one for this.
+        let _closed_at_the_end = Closing(queue);
         let writing = std::thread::Builder::new()
             .name("replies".to_owned())
             .spawn_scoped(scope, move || writer::run(shared, stream, queue));
@@ -35,18 +35,26 @@ pub(super) fn run(shared: &Arc<Shared>, stream: &TcpStream, place: Place) {
         if writing.is_ok() {
             read(shared, stream, queue);
         }
-        queue.close();
     });
     linger(stream);
     drop(place);
 }
 
-fn prepare(shared: &Shared, stream: &TcpStream) -> std::io::Result<()> {
+/// Tells the writing half, on drop, that no more requests come.
+struct Closing<'a>(&'a Queue);
+
+impl Drop for Closing<'_> {
+    fn drop(&mut self) {
+        self.0.close();
+    }
+}
+
+fn prepare(stream: &TcpStream) -> std::io::Result<()> {
     // A socket of a non-blocking listener is non-blocking itself on some systems.
     stream.set_nonblocking(false)?;
     stream.set_nodelay(true)?;
     stream.set_read_timeout(Some(TICK))?;
-    stream.set_write_timeout(Some(shared.patience.stalled))
+    stream.set_write_timeout(Some(writer::TICK))
 }
 
 /// Reads messages and begins each, until there are no more or one cannot be followed by another.
@@ -70,10 +78,7 @@ fn read(shared: &Shared, stream: &TcpStream, queue: &Queue) {
     // Back-pressure: no line is read before there is room for its reply.
     while queue.wait_for_room() {
         // What had arrived is still answered when the grace time is over, but a client that goes on asking is not heard for ever.
-        if shared
-            .grace_end()
-            .is_some_and(|end| Instant::now() >= end + LAST_WORDS)
-        {
+        if shared.is_done_listening() {
             return;
         }
         let message = match lines.next_line(&wait, &on_bytes) {

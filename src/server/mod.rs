@@ -32,6 +32,9 @@ impl Default for Patience {
     }
 }
 
+/// After the grace time, how long requests are still read and replies still written: each is told that it came too late.
+const LAST_WORDS: Duration = Duration::from_secs(1);
+
 /// A bound listener that has not accepted anybody yet.
 pub struct Server {
     listener: TcpListener,
@@ -153,6 +156,12 @@ impl Shared {
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
         asked.map(|asked| asked + self.patience.grace)
+    }
+
+    /// Whether even those are given up who are still being told that the grace time is over.
+    fn is_done_listening(&self) -> bool {
+        self.grace_end()
+            .is_some_and(|end| Instant::now() >= end + LAST_WORDS)
     }
 
     /// Gives a new connection its threads, or turns it away.

@@ -1,9 +1,10 @@
 //! The writing half of a connection: replies in the order of their requests.
 
 use super::Shared;
+use super::lines::is_timeout;
 use crate::service::{Outgoing, Pending, turned_away};
 use std::collections::VecDeque;
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::net::{Shutdown, TcpStream};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -94,8 +95,8 @@ impl Queue {
     }
 }
 
-/// How often a wait for a reply looks whether the grace time is over.
-const TICK: Duration = Duration::from_millis(100);
+/// How often a wait for a reply, or for a client to take it in, looks whether the grace time is over.
+pub(super) const TICK: Duration = Duration::from_millis(100);
 
 /// Writes replies until there are no more, or the client takes no more.
 pub(super) fn run(shared: &Shared, stream: &TcpStream, queue: &Queue) {
@@ -124,16 +125,38 @@ fn wait(shared: &Shared, pending: &Pending) -> Outgoing {
     }
 }
 
-fn write(shared: &Shared, mut stream: &TcpStream, reply: &Outgoing) -> std::io::Result<()> {
-    stream.write_all(&reply.line)?;
+fn write(shared: &Shared, stream: &TcpStream, reply: &Outgoing) -> std::io::Result<()> {
+    write_part(shared, stream, &reply.line)?;
     for part in &reply.attachments {
-        stream.write_all(part)?;
+        write_part(shared, stream, part)?;
     }
     let attached: usize = reply.attachments.iter().map(Vec::len).sum();
     shared
         .service
         .stats()
         .wrote_bytes(reply.line.len() + attached);
+    Ok(())
+}
+
+/// Waits for a client to take everything in, but not for ever, and hardly at all once the server has stopped waiting for anything.
+fn write_part(shared: &Shared, mut stream: &TcpStream, mut bytes: &[u8]) -> std::io::Result<()> {
+    let mut taken = Instant::now();
+    while !bytes.is_empty() {
+        match stream.write(bytes) {
+            Ok(0) => return Err(ErrorKind::WriteZero.into()),
+            Ok(count) => {
+                bytes = &bytes[count..];
+                taken = Instant::now();
+            }
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) if is_timeout(&error) => {
+                if taken.elapsed() >= shared.patience.stalled || shared.is_done_listening() {
+                    return Err(error);
+                }
+            }
+            Err(error) => return Err(error),
+        }
+    }
     Ok(())
 }
 
