@@ -55,12 +55,17 @@ pub(super) struct Job {
 
 struct Reply {
     done: Option<Answered>,
-    /// Held until answered.
-    _ticket: Ticket,
+    /// Held until the answer is about to be given, so that whoever gets it finds the place free.
+    ticket: Option<Ticket>,
 }
 
 impl Reply {
     fn send(mut self, result: Result<(Outputs, Timings), EngineError>) {
+        self.answer(result);
+    }
+
+    fn answer(&mut self, result: Result<(Outputs, Timings), EngineError>) {
+        self.ticket = None;
         if let Some(done) = self.done.take() {
             done(result);
         }
@@ -69,9 +74,7 @@ impl Reply {
 
 impl Drop for Reply {
     fn drop(&mut self) {
-        if let Some(done) = self.done.take() {
-            done(Err(EngineError::ShuttingDown));
-        }
+        self.answer(Err(EngineError::ShuttingDown));
     }
 }
 
@@ -80,7 +83,7 @@ impl Job {
         let Terms { urgency, ticket } = terms;
         let reply = Reply {
             done: Some(done),
-            _ticket: ticket,
+            ticket: Some(ticket),
         };
         Self {
             plan,

@@ -62,7 +62,7 @@ impl<R: Read> Lines<R> {
             if found.is_none() {
                 self.searched = end;
                 let room = self.line_limit + 1 - (end - self.start);
-                if !self.fill(room, wait, on_bytes) {
+                if !self.fill(room, end > self.start, wait, on_bytes) {
                     return Next::End;
                 }
                 continue;
@@ -87,7 +87,7 @@ impl<R: Read> Lines<R> {
     ) -> Option<Vec<u8>> {
         while self.buffer.len() - self.start < count {
             let room = count - (self.buffer.len() - self.start);
-            if !self.fill(room, wait, on_bytes) {
+            if !self.fill(room, true, wait, on_bytes) {
                 return None;
             }
         }
@@ -110,8 +110,15 @@ impl<R: Read> Lines<R> {
         taken
     }
 
-    /// Reads at least one byte and at most `room`; `false` where there are no more.
-    fn fill(&mut self, room: usize, wait: &impl Fn() -> Wait, on_bytes: &impl Fn(usize)) -> bool {
+    /// Reads at least one byte and at most `room`; `false` where there are no more. Only in the middle of a message is a silent client
+    /// given up.
+    fn fill(
+        &mut self,
+        room: usize,
+        is_mid_message: bool,
+        wait: &impl Fn() -> Wait,
+        on_bytes: &impl Fn(usize),
+    ) -> bool {
         self.buffer.drain(..self.start);
         self.searched -= self.start;
         self.start = 0;
@@ -123,7 +130,6 @@ impl<R: Read> Lines<R> {
                 Ok(count) => break count,
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) if is_timeout(&error) => {
-                    let is_mid_message = old > 0;
                     if matches!(wait(), Wait::Stop)
                         || (is_mid_message && started.elapsed() >= self.stalled)
                     {
