@@ -299,6 +299,14 @@ fn a_pose_is_refused_by_the_field_at_fault() {
             json!({"dofs": {"tip.rx": 2}, "limits": "reject"}),
             "pose.dofs.tip.rx",
         ),
+        (
+            json!({"dof_values": [0, 0, 0, 0, 0, 0, 2, 0, 0], "limits": "reject"}),
+            "pose.dof_values",
+        ),
+        (
+            json!({"rotations": {"tip": [1, 0, 0, 0]}, "limits": "reject"}),
+            "pose.rotations",
+        ),
         (json!({"dofs": {"root.tx": 1e300}}), "pose"),
         (
             json!({"rotations": {"x": [0, 0, 0, 1]}}),

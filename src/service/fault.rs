@@ -18,9 +18,7 @@ impl From<EngineError> for Fault {
                 retry_after_ms: 100,
                 queue_depth,
             },
-            EngineError::OutsideLimits(error) => {
-                Self::invalid_params(format!("pose.dofs.{}", error.dof), error.to_string())
-            }
+            EngineError::OutsideLimits(error) => Self::invalid_params("pose", error.to_string()),
             EngineError::PoseOutOfRange(error) => Self::invalid_params("pose", error.to_string()),
             EngineError::Scene(SceneError {
                 field,

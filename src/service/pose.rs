@@ -41,7 +41,8 @@ impl Call<'_> {
         params: &wire::PoseSetParams,
     ) -> Result<wire::PoseSetResult, Fault> {
         let choose = |current: &RigRef| self.edit(&params.pose, current);
-        let (loaded, clamped) = self.engine().set_pose(&params.rig, choose)?;
+        let set = self.engine().set_pose(&params.rig, choose);
+        let (loaded, clamped) = set.map_err(|error| located(error, &params.pose))?;
         Ok(wire::PoseSetResult {
             clamped: describe::clamped(&loaded.rig, &clamped),
         })
@@ -81,7 +82,9 @@ impl Call<'_> {
         found: &RigRef,
     ) -> Result<(Arc<Posed>, Vec<Clamped>), Fault> {
         let (base, edit) = self.edit(pose, found)?;
-        Ok(found.posed(base, &edit)?)
+        found
+            .posed(base, &edit)
+            .map_err(|error| located(error, pose))
     }
 
     fn edit(&self, pose: &wire::Pose, current: &RigRef) -> Result<(Base, PoseEdit), EngineError> {
@@ -161,6 +164,21 @@ impl Call<'_> {
         }
         Ok(values.into_iter().enumerate().collect())
     }
+}
+
+/// A value past its limits is at fault where the request gave it.
+fn located(error: EngineError, pose: &wire::Pose) -> Fault {
+    let EngineError::OutsideLimits(outside) = error else {
+        return error.into();
+    };
+    let path = if pose.dofs.contains_key(&outside.dof) {
+        format!("pose.dofs.{}", outside.dof)
+    } else if pose.dof_values.is_some() {
+        "pose.dof_values".to_owned()
+    } else {
+        "pose.rotations".to_owned()
+    };
+    Fault::invalid_params(path, outside.to_string())
 }
 
 fn named_dofs(dofs: &BTreeMap<String, f64>, rig: &Rig) -> Result<Vec<(usize, f64)>, EngineError> {
