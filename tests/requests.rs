@@ -304,7 +304,7 @@ fn a_pose_is_refused_by_the_field_at_fault() {
             "pose.dof_values",
         ),
         (
-            json!({"rotations": {"tip": [1, 0, 0, 0]}, "limits": "reject"}),
+            json!({"rotations": {"tip": [0.7833269, 0, 0, 0.6216100]}, "limits": "reject"}),
             "pose.rotations",
         ),
         (json!({"dofs": {"root.tx": 1e300}}), "pose"),
