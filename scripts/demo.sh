@@ -24,7 +24,7 @@ done
 sed -n 's/^rig .* drawing with /drawing with /p' "$out/rigd.log"
 
 call() {
-    "$rigd" call --connect "$address" "$@" >/dev/null
+    "$rigd" call --connect "$address" "$@" >/dev/null 2>&1 || { "$rigd" call --connect "$address" "$@"; exit 1; }
 }
 
 call frame.render '{"rig": "figure", "size": [512, 512]}' -o "$out/rest.png"

@@ -51,6 +51,10 @@ limits! {
     in_flight: 512,
     /// Bytes of pictures and arrays that requests in flight may be holding altogether; past it the answer is `busy`.
     in_flight_bytes: 2 << 30,
+    /// As much of that as one connection may take; past it the connection is not read until its client takes in replies.
+    in_flight_bytes_per_connection: 512 << 20,
+    /// Raw bytes that requests of all connections are bringing along; past it they are read when others are done.
+    attached_bytes: 1 << 30,
     /// Pixels of one picture: 16 Mi is 4096x4096.
     pixels: 16 << 20,
     /// Width or height of a picture; the renderer's own ceiling may be lower.

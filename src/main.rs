@@ -6,7 +6,7 @@ fn main() -> ExitCode {
     match rigd::cli::run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("rigd: {error:#}");
+            eprintln!("rigd: {}", rigd::cli::printable(&format!("{error:#}")));
             ExitCode::FAILURE
         }
     }

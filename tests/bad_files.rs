@@ -297,6 +297,26 @@ fn complaints_and_names_are_bounded() {
 }
 
 #[test]
+fn a_number_too_large_to_work_with_is_told_of_the_file_it_is_in() {
+    let skel = |offset: &str| format!("balljoint a {{ offset {offset} 0 0 }}");
+    let skin = |position: &str, binding: &str| {
+        format!(
+            "positions 1 {{ {position} 0 0 }} normals 1 {{ 0 0 1 }} skinweights 1 {{ 1 0 1 }} triangles 0 {{ }} \
+             bindings 1 {{ matrix {{ 1 0 0 0 1 0 0 0 1 {binding} 0 0 }} }}"
+        )
+    };
+    for (offset, position, binding, file) in [
+        ("2e9", "0", "0", "a.skel"),
+        ("0", "2e9", "0", "a.skin"),
+        ("0", "0", "2e9", "a.skin"),
+    ] {
+        let (skel, skin) = (skel(offset), skin(position, binding));
+        let files = [("a.skel", skel.as_bytes()), ("a.skin", skin.as_bytes())];
+        assert_eq!(fault(load_files(&files)).file, file);
+    }
+}
+
+#[test]
 fn encodings_that_are_not_utf8_are_refused_by_name() {
     let utf16: Vec<u8> = "\u{FEFF}balljoint a { }"
         .encode_utf16()

@@ -484,6 +484,11 @@ fn other_requests_are_refused_by_the_field_at_fault() {
         ),
         (
             "rig.load",
+            json!({"files": [{"name": "a\u{1b}[31m.skel", "text": "balljoint a { }"}]}),
+            "files[0].name",
+        ),
+        (
+            "rig.load",
             json!({"files": files(), "name": "x".repeat(257)}),
             "name",
         ),

@@ -2,7 +2,7 @@
 
 use crate::client::{Client, ClientError};
 use crate::protocol::Blob;
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use serde_json::Value;
 use std::io::Read;
@@ -25,9 +25,9 @@ pub(super) struct CallArgs {
 
 pub(super) fn run(args: &CallArgs) -> anyhow::Result<()> {
     let params = args.params()?;
-    let mut client = Client::connect(args.connect.as_str()).with_context(|| {
-        format!(
-            "no daemon answers at {}; start one with `rigd serve`",
+    let mut client = Client::connect(args.connect.as_str()).map_err(|error| {
+        anyhow!(
+            "no daemon answers at {}: {error}; start one with `rigd serve`",
             args.connect
         )
     })?;
@@ -35,7 +35,7 @@ pub(super) fn run(args: &CallArgs) -> anyhow::Result<()> {
         Ok(answered) => answered,
         Err(ClientError::Server(error)) => {
             // On standard output as well: whoever reads the result by program wants the error the same way.
-            println!("{}", serde_json::to_string_pretty(&error)?);
+            super::print(&serde_json::to_string_pretty(&error)?)?;
             bail!("{error}");
         }
         Err(error) => return Err(error.into()),
@@ -47,8 +47,7 @@ pub(super) fn run(args: &CallArgs) -> anyhow::Result<()> {
             .with_context(|| format!("cannot write {}", output.display()))?;
         eprintln!("{} ({} bytes)", output.display(), bytes.len());
     }
-    println!("{}", serde_json::to_string_pretty(&result)?);
-    Ok(())
+    super::print(&serde_json::to_string_pretty(&result)?)
 }
 
 impl CallArgs {

@@ -1,6 +1,6 @@
 //! `rigd inspect`: what is in the files of a rig. Needs no graphics.
 
-use super::builtin;
+use super::{builtin, printable};
 use crate::formats::Source;
 use crate::limits::Limits;
 use crate::protocol::rig::{DofDescription, DofKind, RigDescription};
@@ -21,11 +21,10 @@ pub(super) fn run(args: &InspectArgs) -> anyhow::Result<()> {
     let files = builtin::files_or_default(&args.files);
     let rig = describe_files(&files, &Source::local(), &Limits::default())?;
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&rig)?);
+        super::print(&serde_json::to_string_pretty(&rig)?)
     } else {
-        print!("{}", text(&rig)?);
+        super::print(printable(&text(&rig)?).trim_end())
     }
-    Ok(())
 }
 
 fn text(rig: &RigDescription) -> Result<String, std::fmt::Error> {

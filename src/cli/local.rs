@@ -1,6 +1,6 @@
 //! A service in this process, for subcommands that need no daemon.
 
-use super::{RendererArgs, builtin};
+use super::{RendererArgs, builtin, printable};
 use crate::engine::{Engine, LoadedRig, RendererChoice};
 use crate::formats::Source;
 use crate::limits::Limits;
@@ -31,7 +31,7 @@ pub(super) fn load(engine: &Engine, files: &[String]) -> anyhow::Result<Arc<Load
     let files = builtin::files_or_default(files);
     let loaded = engine.load(None, &files, &Source::local(), false)?;
     for warning in loaded.warnings() {
-        eprintln!("warning: {warning}");
+        eprintln!("warning: {}", printable(warning));
     }
     Ok(loaded)
 }

@@ -10,6 +10,7 @@ mod serve;
 mod values;
 
 use clap::{Args, Parser, Subcommand};
+use std::io::Write;
 
 /// Keeps character rigs loaded, poses and skins them, and answers with pictures and vertices.
 ///
@@ -63,10 +64,28 @@ pub fn run() -> anyhow::Result<()> {
         Command::Inspect(args) => inspect::run(&args),
         Command::Call(args) => call::run(&args),
         Command::Doctor(args) => doctor::run(&args),
-        Command::Openrpc => {
-            println!("{:#}", crate::protocol::openrpc());
-            Ok(())
+        Command::Openrpc => print(&format!("{:#}", crate::protocol::openrpc())),
+    }
+}
+
+/// Text as a terminal may have it: names come from files, and may hold what a terminal would obey.
+pub fn printable(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if c.is_control() && c != '\n' {
+            shown.extend(c.escape_default());
+        } else {
+            shown.push(c);
         }
+    }
+    shown
+}
+
+/// Writes a line to standard output. A reader that has seen enough and closed its end is no failure.
+fn print(text: &str) -> anyhow::Result<()> {
+    match writeln!(std::io::stdout(), "{text}") {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
     }
 }
 

@@ -1,15 +1,18 @@
-//! How much work the server takes on at a time: a count of requests being worked on, and the bytes of their results.
+//! How much work the server takes on at a time: a count of requests being worked on, the bytes of their results, and the bytes that
+//! they bring along. Of results each connection has a share, so that none can take everything.
 
 use super::EngineError;
 use crate::limits::Limits;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
-/// The two budgets that all connections share.
+/// The budgets that all connections share.
 #[derive(Debug)]
 pub struct Admission {
     requests: Budget,
     bytes: Budget,
+    attached: Budget,
+    bytes_per_connection: u64,
 }
 
 #[derive(Debug)]
@@ -47,6 +50,8 @@ impl Admission {
         Self {
             requests: Budget::new(limits.in_flight),
             bytes: Budget::new(limits.in_flight_bytes),
+            attached: Budget::new(limits.attached_bytes),
+            bytes_per_connection: limits.in_flight_bytes_per_connection,
         }
     }
 
@@ -67,20 +72,24 @@ impl Admission {
         }
     }
 
-    /// Room for a result of that size, to be held until it has been written out.
-    ///
-    /// # Errors
-    /// [`EngineError::Busy`] where there is none now.
-    pub fn hold(self: &Arc<Self>, bytes: u64) -> Result<HeldBytes, EngineError> {
-        // One result that is larger than the whole budget goes through when nothing else does: limits on pictures and rigs
-        // have the last word on what is too large.
-        let bytes = bytes.min(self.bytes.most);
-        let admission = Arc::clone(self);
-        if self.bytes.take(bytes) {
-            Ok(HeldBytes { admission, bytes })
-        } else {
-            Err(self.busy())
-        }
+    /// What one connection may take of the room for results.
+    pub fn share(self: &Arc<Self>) -> Arc<Share> {
+        let most = self.bytes_per_connection.min(self.bytes.most);
+        Arc::new(Share {
+            admission: Arc::clone(self),
+            used: Mutex::new(0),
+            freed: Condvar::new(),
+            most,
+        })
+    }
+
+    /// Room for bytes that a request brings along; `None` where there is none now.
+    pub fn attach(self: &Arc<Self>, bytes: u64) -> Option<AttachedBytes> {
+        let bytes = bytes.min(self.attached.most);
+        self.attached.take(bytes).then(|| AttachedBytes {
+            admission: Arc::clone(self),
+            bytes,
+        })
     }
 
     fn busy(&self) -> EngineError {
@@ -100,16 +109,71 @@ impl Drop for Ticket {
     }
 }
 
+/// Room for what a request brings along, given back on drop.
+#[derive(Debug)]
+pub struct AttachedBytes {
+    admission: Arc<Admission>,
+    bytes: u64,
+}
+
+impl Drop for AttachedBytes {
+    fn drop(&mut self) {
+        self.admission.attached.give_back(self.bytes);
+    }
+}
+
+/// The room for results of one connection, out of that of all.
+#[derive(Debug)]
+pub struct Share {
+    admission: Arc<Admission>,
+    used: Mutex<u64>,
+    freed: Condvar,
+    most: u64,
+}
+
+impl Share {
+    /// Room for a result of that size, to be held until it has been written out. Waits while this connection's own results take up
+    /// its share.
+    ///
+    /// # Errors
+    /// [`EngineError::Busy`] where the results of all connections take up everything.
+    pub fn hold(self: &Arc<Self>, bytes: u64) -> Result<HeldBytes, EngineError> {
+        // One result that is larger than the whole share goes through when nothing else does: limits on pictures and rigs have
+        // the last word on what is too large.
+        let bytes = bytes.min(self.most);
+        let used = self.used.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_full = |used: &mut u64| *used + bytes > self.most;
+        let mut used = self
+            .freed
+            .wait_while(used, is_full)
+            .unwrap_or_else(PoisonError::into_inner);
+        if !self.admission.bytes.take(bytes) {
+            return Err(self.admission.busy());
+        }
+        *used += bytes;
+        Ok(HeldBytes {
+            share: Arc::clone(self),
+            bytes,
+        })
+    }
+}
+
 /// Room for a result, given back on drop.
 #[derive(Debug)]
 pub struct HeldBytes {
-    admission: Arc<Admission>,
+    share: Arc<Share>,
     bytes: u64,
 }
 
 impl Drop for HeldBytes {
     fn drop(&mut self) {
-        self.admission.bytes.give_back(self.bytes);
+        self.share.admission.bytes.give_back(self.bytes);
+        *self
+            .share
+            .used
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner) -= self.bytes;
+        self.share.freed.notify_all();
     }
 }
 
@@ -134,12 +198,32 @@ mod tests {
         drop(first);
         assert!(admission.admit().is_ok());
 
-        let held = admission.hold(60).unwrap();
-        assert!(admission.hold(60).is_err());
+        let (one, other) = (admission.share(), admission.share());
+        let held = one.hold(60).unwrap();
+        assert!(other.hold(60).is_err());
         drop(held);
         assert!(
-            admission.hold(1_000).is_ok(),
+            other.hold(1_000).is_ok(),
             "a single giant is let through alone"
         );
+    }
+
+    #[test]
+    fn a_connection_waits_for_its_own_share_and_leaves_the_rest_to_others() {
+        let limits = Limits {
+            in_flight_bytes: 100,
+            in_flight_bytes_per_connection: 50,
+            ..Limits::default()
+        };
+        let admission = Arc::new(Admission::new(&limits));
+        let (greedy, modest) = (admission.share(), admission.share());
+        let held = greedy.hold(40).unwrap();
+        let waiting = {
+            let greedy = Arc::clone(&greedy);
+            std::thread::spawn(move || greedy.hold(40).is_ok())
+        };
+        assert!(modest.hold(50).is_ok());
+        drop(held);
+        assert!(waiting.join().unwrap());
     }
 }

@@ -6,7 +6,7 @@ mod store;
 mod worker;
 
 pub use crate::render::gpu::{AdapterChoice, AdapterInfo, AdapterKind, adapters};
-pub use admission::{Admission, HeldBytes, Ticket};
+pub use admission::{Admission, AttachedBytes, HeldBytes, Share, Ticket};
 pub use error::EngineError;
 pub use store::{LoadedRig, RigRef};
 pub use worker::{Timings, Urgency};

@@ -157,10 +157,10 @@ fn told(error: RigError, skeleton: Option<&Sent>, skins: &[&Sent]) -> LoadError 
         RigError::Limit(exceeded) => return exceeded.into(),
         RigError::CountsDiffer { mesh, .. } | RigError::OutOfRange { mesh, .. } => of_mesh(mesh),
         RigError::SingularBinding { .. } => of_mesh(0),
+        RigError::NotFinite { mesh, .. } => mesh.and_then(of_mesh).or(skeleton),
         RigError::Empty
         | RigError::ParentNotBefore { .. }
         | RigError::SecondRoot { .. }
-        | RigError::NotFinite { .. }
         | RigError::LimitReversed { .. } => skeleton,
     };
     let name = file

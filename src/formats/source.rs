@@ -40,7 +40,9 @@ impl Source {
 
     pub(super) fn read(&self, path: &str, budget: &mut Budget) -> Result<Arc<[u8]>, Denied> {
         match &self.0 {
-            Reach::Nowhere => Err(Denied::NotAllowed("files are only taken inline here")),
+            Reach::Nowhere => Err(Denied::NotAllowed(
+                "the server was started without a root folder, so files have to come with the request",
+            )),
             Reach::Below(_) if Path::new(path).has_root() => {
                 Err(Denied::NotAllowed("it is not relative to the root"))
             }

@@ -34,29 +34,36 @@ pub(super) enum Fit {
     Clamped { asked: DVec3, used: DVec3 },
 }
 
-/// Tries both triples of angles that make `quaternion`, each angle also a full turn up or down.
+/// Tries both triples of angles that make `quaternion`, each angle also a full turn up or down. Where neither is inside, the one that
+/// clamping turns away least is taken.
 pub(super) fn fit(quaternion: DQuat, order: RotationOrder, limits: &[Limit; 3]) -> Fit {
     let first = angles_of(quaternion, order);
     // The same rotation the other way around the middle axis, in either order.
     let second = DVec3::new(first.x + PI, PI - first.y, first.z + PI);
-    let [(asked, excess), other] = [first, second].map(|triple| nearest_turns(triple, limits));
-    let (asked, excess) = if other.1 < excess {
-        other
-    } else {
-        (asked, excess)
-    };
-    if excess <= LIMIT_TOLERANCE {
+    let [first, second] = [first, second].map(|triple| {
+        let asked = nearest_turns(triple, limits);
+        let clamp = |i: usize| limits[i].clamp(asked[i]);
+        (asked, DVec3::new(clamp(0), clamp(1), clamp(2)))
+    });
+    let is_inside = |(asked, used): (DVec3, DVec3)| asked.abs_diff_eq(used, LIMIT_TOLERANCE);
+    if is_inside(first) || is_inside(second) {
         return Fit::Inside;
     }
-    let clamp = |i: usize| limits[i].clamp(asked[i]);
+    let turned_away =
+        |(_, used): (DVec3, DVec3)| quaternion.angle_between(quaternion_of(used, order));
+    let nearer = if turned_away(second) < turned_away(first) {
+        second
+    } else {
+        first
+    };
     Fit::Clamped {
-        asked,
-        used: DVec3::new(clamp(0), clamp(1), clamp(2)),
+        asked: nearer.0,
+        used: nearer.1,
     }
 }
 
-/// Each angle at the turn that comes nearest to its limits, and the largest distance by which one still misses them.
-fn nearest_turns(angles: DVec3, limits: &[Limit; 3]) -> (DVec3, f64) {
+/// Each angle at the turn that comes nearest to its limits.
+fn nearest_turns(angles: DVec3, limits: &[Limit; 3]) -> DVec3 {
     let excess = |limit: Limit, angle: f64| (angle - limit.clamp(angle)).abs();
     let nearest = |i: usize| {
         let angle = angles[i] - TAU * libm::round(angles[i] / TAU);
@@ -69,11 +76,7 @@ fn nearest_turns(angles: DVec3, limits: &[Limit; 3]) -> (DVec3, f64) {
             }
         })
     };
-    let turned = DVec3::new(nearest(0), nearest(1), nearest(2));
-    let worst = (0..3)
-        .map(|i| excess(limits[i], turned[i]))
-        .fold(0.0, f64::max);
-    (turned, worst)
+    DVec3::new(nearest(0), nearest(1), nearest(2))
 }
 
 #[cfg(test)]
@@ -117,5 +120,23 @@ mod tests {
             fit(DQuat::from_rotation_z(3.5), RotationOrder::Zyx, &limits),
             Fit::Inside
         ));
+    }
+
+    #[test]
+    fn clamping_turns_away_no_further_than_it_must() {
+        let within = |most: f64| Limit {
+            min: -most,
+            max: most,
+        };
+        let limits = [within(0.4), within(0.7), within(0.35)];
+        // Half a turn about z, nearly: the other triple has smaller excesses, each, and ends far off.
+        for degrees in [170f64, 178.0] {
+            let asked = DQuat::from_rotation_z(degrees.to_radians());
+            let Fit::Clamped { used, .. } = fit(asked, RotationOrder::Zyx, &limits) else {
+                panic!("it is outside");
+            };
+            let best = DVec3::new(0.0, 0.0, 0.35);
+            assert!(used.abs_diff_eq(best, 1e-9), "{degrees}: {used}");
+        }
     }
 }

@@ -57,8 +57,8 @@ pub enum Fault {
     ShuttingDown,
     #[error("there is no file `{file}` below the server's root")]
     FileNotFound { file: String },
-    #[error("`{file}` is not a path below the server's root")]
-    PathNotAllowed { file: String },
+    #[error("`{file}` may not be opened: {reason}")]
+    PathNotAllowed { file: String, reason: String },
     #[error("the request was cancelled")]
     Cancelled,
 }
@@ -138,7 +138,9 @@ impl Fault {
                 retry_after_ms,
                 queue_depth,
             } => json!({ "retry_after_ms": retry_after_ms, "queue_depth": queue_depth }),
-            Self::FileNotFound { file } | Self::PathNotAllowed { file } => json!({ "file": file }),
+            Self::FileNotFound { file } | Self::PathNotAllowed { file, .. } => {
+                json!({ "file": file })
+            }
         };
         match details {
             Value::Object(members) => members.into_iter().filter(|m| !m.1.is_null()).collect(),
@@ -361,7 +363,10 @@ mod tests {
                 json!({"file": "f"}),
             ),
             (
-                Fault::PathNotAllowed { file: text("f") },
+                Fault::PathNotAllowed {
+                    file: text("f"),
+                    reason: text("r"),
+                },
                 json!({"file": "f"}),
             ),
         ];

@@ -38,10 +38,16 @@ pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&
     if name.len() > 64 {
         return None;
     }
+    let name = name.to_lowercase();
     // `fovy` and `fov_y` come to 0.96, `colour` and `color` to 0.97, `tint` and `intensity` to 0.6.
     const NEAR: f64 = 0.8;
     known
-        .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
+        .map(|candidate| {
+            (
+                strsim::jaro_winkler(&name, &candidate.to_lowercase()),
+                candidate,
+            )
+        })
         .filter(|(similarity, _)| *similarity >= NEAR)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, candidate)| candidate)

@@ -87,11 +87,15 @@ fn are_usable(numbers: &[f32]) -> bool {
         .all(|number| number.abs() <= LARGEST_COORDINATE as f32)
 }
 
-fn finite(is_finite: bool, what: impl FnOnce() -> String) -> Result<(), RigError> {
+fn finite(
+    is_finite: bool,
+    mesh: Option<usize>,
+    what: impl FnOnce() -> String,
+) -> Result<(), RigError> {
     if is_finite {
         Ok(())
     } else {
-        Err(RigError::NotFinite { what: what() })
+        Err(RigError::NotFinite { what: what(), mesh })
     }
 }
 
@@ -116,12 +120,13 @@ fn build_skeleton(drafts: Vec<JointDraft>) -> Result<Skeleton, RigError> {
             is_usable(&draft.offset.to_array())
                 && is_usable(&draft.rest_angles.to_array())
                 && corners_finite,
+            None,
             || format!("the offset, pose or box of joint `{name}`"),
         )?;
         let mut rest_angles = draft.rest_angles;
         for axis in Axis::ALL {
             let Limit { min, max } = draft.rotation_limits[axis.index()];
-            finite(!min.is_nan() && !max.is_nan(), || {
+            finite(!min.is_nan() && !max.is_nan(), None, || {
                 format!("a limit of joint `{name}`")
             })?;
             if min > max {
@@ -161,9 +166,11 @@ fn build_bindings(drafts: &[BindingDraft], joint_count: usize) -> Result<Vec<Bin
                 count: joint_count,
             });
         }
-        finite(is_usable(&draft.bind_from_joint.to_cols_array()), || {
-            format!("the matrix of binding {index}")
-        })?;
+        finite(
+            is_usable(&draft.bind_from_joint.to_cols_array()),
+            Some(0),
+            || format!("the matrix of binding {index}"),
+        )?;
         let joint_from_bind = draft.bind_from_joint.inverse();
         // A nearly singular matrix has an inverse that is only rounding error.
         if !is_usable(&joint_from_bind.to_cols_array()) {
@@ -262,6 +269,7 @@ impl MeshBuild<'_> {
         let mesh = &self.mesh;
         finite(
             mesh.positions.iter().all(|p| are_usable(&p.to_array())),
+            Some(self.index),
             || format!("a position of mesh `{name}`"),
         )?;
         finite(
@@ -269,6 +277,7 @@ impl MeshBuild<'_> {
                 .iter()
                 .flatten()
                 .all(|n| are_usable(&n.to_array())),
+            Some(self.index),
             || format!("a normal of mesh `{name}`"),
         )?;
         finite(
@@ -276,10 +285,12 @@ impl MeshBuild<'_> {
                 .iter()
                 .flatten()
                 .all(|uv| are_usable(&uv.to_array())),
+            Some(self.index),
             || format!("a texture coordinate of mesh `{name}`"),
         )?;
         finite(
             mesh.influences.iter().all(|(_, weight)| weight.is_finite()),
+            Some(0),
             || format!("a weight of mesh `{name}`"),
         )
     }

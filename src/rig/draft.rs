@@ -66,7 +66,11 @@ pub enum RigError {
     #[error("joint {joint} is a second root, but a skeleton has one")]
     SecondRoot { joint: usize },
     #[error("{what} is not a finite number below {LARGEST_COORDINATE:e}")]
-    NotFinite { what: String },
+    NotFinite {
+        what: String,
+        /// Of which mesh it is, or which mesh is bound by it; `None` for one of the skeleton.
+        mesh: Option<usize>,
+    },
     #[error(
         "joint {joint} has a limit from {min} to {max}: the smallest value is above the largest"
     )]

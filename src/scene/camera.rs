@@ -272,7 +272,12 @@ fn checked_fov(fov_y: Option<f64>) -> Result<f64, SceneError> {
     let fov_y = fov_y.unwrap_or(FOV_Y);
     // Closer to 0 or π nothing but rounding is left of a picture.
     let inside = (1e-4..=PI - 1e-4).contains(&fov_y);
-    SceneError::unless(inside, "camera.fov_y", "radians between 0 and π", fov_y)?;
+    SceneError::unless(
+        inside,
+        "camera.fov_y",
+        "radians from 0.0001 to 3.1414",
+        fov_y,
+    )?;
     Ok(fov_y)
 }
 

@@ -89,7 +89,7 @@ impl Color {
     /// Where a channel is outside 0..1.
     pub fn new(channels: [f64; 3], field: &'static str) -> Result<Self, SceneError> {
         let inside = channels.iter().all(|channel| (0.0..=1.0).contains(channel));
-        SceneError::unless(inside, field, "three numbers from 0 to 1", channels)?;
+        SceneError::unless(inside, field, "numbers from 0 to 1", channels)?;
         Ok(Self(Vec3::from_array(
             channels.map(|channel| channel as f32),
         )))

@@ -95,16 +95,29 @@ fn read(shared: &Shared, stream: &TcpStream, queue: &Queue) {
             Next::Line(line) => Message::read(&line, Instant::now()),
         };
         is_first = false;
+        let _room;
         let attached = match message.attach_bytes() {
             Some(0) => Vec::new(),
             Some(asked) if asked > limits.attachment_bytes => {
                 let refused = message.attaching_too_much(limits);
                 return answer(&mut conversation, queue, refused, Vec::new());
             }
-            Some(count) => match lines.next_bytes(count as usize, &wait, &on_bytes) {
-                Some(attached) => attached,
-                None => return,
-            },
+            Some(count) => {
+                // Where others bring too much along already, this one's bytes wait in its own socket.
+                _room = loop {
+                    if let Some(room) = conversation.room_for(count) {
+                        break room;
+                    }
+                    if matches!(wait(), Wait::Stop) {
+                        return;
+                    }
+                    std::thread::sleep(LAST_TICK);
+                };
+                match lines.next_bytes(count as usize, &wait, &on_bytes) {
+                    Some(attached) => attached,
+                    None => return,
+                }
+            }
             None => return answer(&mut conversation, queue, message, Vec::new()),
         };
         answer(&mut conversation, queue, message, attached);

@@ -17,6 +17,9 @@ pub struct Outgoing {
     _held: Option<HeldBytes>,
 }
 
+/// A reply that nobody counts: as many as a connection may have in flight come to a megabyte or two.
+const SMALL_REPLY_BYTES: usize = 64 << 10;
+
 struct Slot {
     id: Id,
     method: Option<Method>,
@@ -155,10 +158,39 @@ impl Answer {
         Self::new(Id::Null, method, Urgency::default(), stats).0
     }
 
-    pub fn give<R: Serialize>(self, result: Result<R, Fault>) {
-        match result {
-            Ok(result) => self.send(&result, Attachments::default(), None),
-            Err(fault) => self.fail(fault),
+    /// A result whose size is known once it is written. `hold` makes room for it.
+    pub fn give<R: Serialize>(
+        mut self,
+        result: &R,
+        hold: impl FnOnce(u64) -> Result<HeldBytes, Fault>,
+    ) {
+        let Some(slot) = self.slot.take() else { return };
+        let line = match result_line(&slot.id, result, &Attachments::default()) {
+            Ok(line) => line,
+            Err(error) => {
+                return slot.fail(Fault::Internal {
+                    message: error.to_string(),
+                });
+            }
+        };
+        let is_small = line.len() <= SMALL_REPLY_BYTES;
+        let held = if is_small {
+            Ok(None)
+        } else {
+            hold(line.len() as u64).map(Some)
+        };
+        match held {
+            Ok(held) => {
+                slot.fill(
+                    Outgoing {
+                        line,
+                        attachments: Vec::new(),
+                        _held: held,
+                    },
+                    "ok",
+                );
+            }
+            Err(fault) => slot.fail(fault),
         }
     }
 

@@ -62,7 +62,10 @@ impl From<LoadError> for Fault {
                 Self::invalid_params("files", message)
             }
             LoadError::FileNotFound { file } => Self::FileNotFound { file },
-            LoadError::PathNotAllowed { file, .. } => Self::PathNotAllowed { file },
+            LoadError::PathNotAllowed { file, reason } => Self::PathNotAllowed {
+                file,
+                reason: reason.to_owned(),
+            },
             LoadError::Invalid(fault) => Self::RigFileInvalid(Box::new(InvalidRigFile {
                 message,
                 file: fault.file,

@@ -18,10 +18,12 @@ pub use answer::{Outgoing, Pending};
 pub use describe::describe_files;
 pub use stats::Stats;
 
-use crate::engine::{Engine, EngineError, HeldBytes, Terms, Urgency};
+use crate::engine::{AttachedBytes, Engine, EngineError, HeldBytes, Share, Terms, Urgency};
 use crate::formats::Source;
 use crate::limits::Limits;
-use crate::protocol::{self, BadRequest, ErrorObject, Fault, Id, Method, Request, error_line};
+use crate::protocol::{
+    self, Attachments, BadRequest, ErrorObject, Fault, Id, Method, Request, error_line,
+};
 use answer::Answer;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -66,6 +68,7 @@ impl Service {
         Conversation {
             service: Arc::clone(self),
             in_hand: VecDeque::new(),
+            share: self.engine.admission().share(),
         }
     }
 
@@ -159,7 +162,12 @@ pub struct Conversation {
     service: Arc<Service>,
     /// Requests that may still be cancelled, the oldest first.
     in_hand: VecDeque<(Id, answer::Handle)>,
+    /// Of the room for results.
+    share: Arc<Share>,
 }
+
+/// Sooner than this nobody need ask again, whatever it was that the server had too much of.
+const LEAST_RETRY_MS: u64 = 50;
 
 /// One request on its way through its handler.
 struct Call<'a> {
@@ -167,9 +175,15 @@ struct Call<'a> {
     request: &'a Request,
     attached: &'a [u8],
     urgency: Urgency,
+    share: &'a Arc<Share>,
 }
 
 impl Conversation {
+    /// Room for the raw bytes of a message; `None` where there is none now.
+    pub fn room_for(&self, attached: u64) -> Option<AttachedBytes> {
+        self.service.engine.admission().attach(attached)
+    }
+
     /// Acts on a message. What changes rigs or poses has happened when this returns; drawing and copying go on behind the
     /// [`Pending`] reply. `None` for a notification.
     pub fn begin(&mut self, message: Message, attached: Vec<u8>) -> Option<Pending> {
@@ -205,7 +219,10 @@ impl Conversation {
             Err(fault) => answer.fail(fault),
             Ok(Method::RequestCancel) => {
                 let cancelled = protocol::params(request.params.as_deref());
-                answer.give(cancelled.map(|wanted| self.cancel(&wanted)));
+                match cancelled {
+                    Ok(wanted) => answer.send(&self.cancel(&wanted), Attachments::default(), None),
+                    Err(fault) => answer.fail(fault),
+                }
             }
             Ok(method) => {
                 let call = Call {
@@ -213,6 +230,7 @@ impl Conversation {
                     request: &request,
                     attached: &attached,
                     urgency,
+                    share: &self.share,
                 };
                 // A panic drops the answer, which tells the client; a store is only ever changed as a whole.
                 let caught = catch_unwind(AssertUnwindSafe(|| call.handle(method, answer)));
@@ -286,7 +304,10 @@ impl Call<'_> {
         answer: Answer,
         work: impl FnOnce(P) -> Result<R, Fault>,
     ) {
-        answer.give(protocol::params(self.request.params.as_deref()).and_then(work));
+        match protocol::params(self.request.params.as_deref()).and_then(work) {
+            Ok(result) => answer.give(&result, |bytes| self.hold(bytes)),
+            Err(fault) => answer.fail(fault),
+        }
     }
 
     /// For a method whose answer goes its own way, unless it fails at once.
@@ -325,10 +346,7 @@ impl Call<'_> {
     }
 
     fn hold(&self, bytes: u64) -> Result<HeldBytes, Fault> {
-        self.engine()
-            .admission()
-            .hold(bytes)
-            .map_err(|error| self.busy(error))
+        self.share.hold(bytes).map_err(|error| self.busy(error))
     }
 
     /// With a guess at when the renderer will have room again.
@@ -338,7 +356,7 @@ impl Call<'_> {
                 let drained = self.service.stats.mean_render()
                     * u32::try_from(queue_depth).unwrap_or(u32::MAX)
                     / 2;
-                let retry_after_ms = (drained.as_millis() as u64).clamp(10, 5_000);
+                let retry_after_ms = (drained.as_millis() as u64).clamp(LEAST_RETRY_MS, 5_000);
                 Fault::Busy {
                     retry_after_ms,
                     queue_depth,

@@ -50,7 +50,21 @@ impl Call<'_> {
     }
 
     fn file_ref(&self, index: usize, file: RigFile) -> Result<FileRef, Fault> {
-        let inline = |name, bytes: Vec<u8>| {
+        // An inline file may be called anything. The first one's name becomes the rig's, and all of them stand in messages.
+        let inline_name = match &file {
+            RigFile::Path(_) => "",
+            RigFile::Text { name, .. }
+            | RigFile::Base64 { name, .. }
+            | RigFile::Attached { name, .. } => name,
+        };
+        if inline_name.chars().any(char::is_control) {
+            let problem = "expected a file name without control characters";
+            return Err(Fault::invalid_params(
+                format!("files[{index}].name"),
+                problem,
+            ));
+        }
+        let inline = |name: String, bytes: Vec<u8>| {
             Ok(FileRef::Inline(File {
                 name,
                 bytes: bytes.into(),
