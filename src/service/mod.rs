@@ -8,6 +8,7 @@ mod describe;
 mod fault;
 mod frame;
 mod mesh;
+mod message;
 mod pose;
 mod rig;
 mod scene;
@@ -16,14 +17,13 @@ mod stats;
 
 pub use answer::{Outgoing, Pending};
 pub use describe::describe_files;
+pub use message::{Message, turned_away};
 pub use stats::Stats;
 
 use crate::engine::{AttachedBytes, Engine, EngineError, HeldBytes, Share, Terms, Urgency};
 use crate::formats::Source;
 use crate::limits::Limits;
-use crate::protocol::{
-    self, Attachments, BadRequest, ErrorObject, Fault, Id, Method, Request, error_line,
-};
+use crate::protocol::{self, Attachments, BadRequest, Fault, Id, Method, Request};
 use answer::Answer;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -79,82 +79,6 @@ impl Service {
             .begin(message, attached)
             .map(|pending| pending.wait())
     }
-}
-
-/// One line, read but not yet acted upon: the raw bytes that belong to it are still to come.
-pub struct Message {
-    request: Result<Request, BadRequest>,
-    arrived: Instant,
-}
-
-impl Message {
-    pub fn read(line: &[u8], arrived: Instant) -> Self {
-        Self {
-            request: Request::parse(line),
-            arrived,
-        }
-    }
-
-    /// A line that outgrew its limit, of which nothing was kept.
-    pub fn too_long(limits: &Limits) -> Self {
-        let (limit, maximum) = ("line_bytes".to_owned(), limits.line_bytes);
-        let fault = Fault::LimitExceeded {
-            limit,
-            maximum,
-            asked: maximum.saturating_add(1),
-        };
-        let bad = BadRequest {
-            id: Id::Null,
-            attach_bytes: None,
-            fault,
-        };
-        Self {
-            request: Err(bad),
-            arrived: Instant::now(),
-        }
-    }
-
-    /// How many raw bytes follow the line; `None` where nobody can tell, and so the connection has to end.
-    pub fn attach_bytes(&self) -> Option<u64> {
-        match &self.request {
-            Ok(request) => Some(request.attach_bytes),
-            Err(bad) => bad.attach_bytes,
-        }
-    }
-
-    /// The same message, to be refused because more raw bytes would follow it than may.
-    pub fn attaching_too_much(self, limits: &Limits) -> Self {
-        let asked = self.attach_bytes().unwrap_or(u64::MAX);
-        let id = match self.request {
-            Ok(Request { id: Some(id), .. }) | Err(BadRequest { id, .. }) => id,
-            Ok(Request { id: None, .. }) => Id::Null,
-        };
-        let (limit, maximum) = ("attachment_bytes".to_owned(), limits.attachment_bytes);
-        let fault = Fault::LimitExceeded {
-            limit,
-            maximum,
-            asked,
-        };
-        let bad = BadRequest {
-            id,
-            attach_bytes: None,
-            fault,
-        };
-        Self {
-            request: Err(bad),
-            arrived: self.arrived,
-        }
-    }
-}
-
-/// The line for a client that is one too many.
-pub fn turned_away(maximum: u64, asked: u64) -> Vec<u8> {
-    let fault = Fault::LimitExceeded {
-        limit: "connections".to_owned(),
-        maximum,
-        asked,
-    };
-    error_line(&Id::Null, &ErrorObject::from(fault))
 }
 
 /// The service's side of one connection.

@@ -1,0 +1,77 @@
+//! A line on its way in: read, and perhaps refused, before the service acts on it. Never lives here: what a method does.
+
+use crate::limits::Limits;
+use crate::protocol::{BadRequest, ErrorObject, Fault, Id, Request, error_line};
+use std::time::Instant;
+
+/// One line, read but not yet acted upon: the raw bytes that belong to it are still to come.
+pub struct Message {
+    pub(super) request: Result<Request, BadRequest>,
+    pub(super) arrived: Instant,
+}
+
+impl Message {
+    pub fn read(line: &[u8], arrived: Instant) -> Self {
+        Self {
+            request: Request::parse(line),
+            arrived,
+        }
+    }
+
+    /// A line that outgrew its limit, of which nothing was kept.
+    pub fn too_long(limits: &Limits) -> Self {
+        let maximum = limits.line_bytes;
+        let fault = exceeded("line_bytes", maximum, maximum.saturating_add(1));
+        Self {
+            request: Err(refused(Id::Null, fault)),
+            arrived: Instant::now(),
+        }
+    }
+
+    /// How many raw bytes follow the line; `None` where nobody can tell, and so the connection has to end.
+    pub fn attach_bytes(&self) -> Option<u64> {
+        match &self.request {
+            Ok(request) => Some(request.attach_bytes),
+            Err(bad) => bad.attach_bytes,
+        }
+    }
+
+    /// The same message, to be refused because more raw bytes would follow it than may.
+    pub fn attaching_too_much(self, limits: &Limits) -> Self {
+        let asked = self.attach_bytes().unwrap_or(u64::MAX);
+        let id = match self.request {
+            Ok(Request { id: Some(id), .. }) | Err(BadRequest { id, .. }) => id,
+            Ok(Request { id: None, .. }) => Id::Null,
+        };
+        let fault = exceeded("attachment_bytes", limits.attachment_bytes, asked);
+        Self {
+            request: Err(refused(id, fault)),
+            arrived: self.arrived,
+        }
+    }
+}
+
+/// The line for a client that is one too many.
+pub fn turned_away(maximum: u64, asked: u64) -> Vec<u8> {
+    error_line(
+        &Id::Null,
+        &ErrorObject::from(exceeded("connections", maximum, asked)),
+    )
+}
+
+fn exceeded(limit: &str, maximum: u64, asked: u64) -> Fault {
+    Fault::LimitExceeded {
+        limit: limit.to_owned(),
+        maximum,
+        asked,
+    }
+}
+
+/// Behind such a message nobody knows where the next one starts.
+fn refused(id: Id, fault: Fault) -> BadRequest {
+    BadRequest {
+        id,
+        attach_bytes: None,
+        fault,
+    }
+}
