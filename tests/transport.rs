@@ -651,6 +651,32 @@ fn a_cancelled_picture_is_answered_in_its_place() {
 }
 
 #[test]
+fn a_client_that_does_not_read_leaves_room_for_the_pictures_of_others() {
+    // Room for sixteen pictures of its kind altogether, half of it for one connection.
+    let limits = Limits {
+        in_flight_bytes: 16 * 10 * 512 * 512,
+        in_flight_bytes_per_connection: 8 * 10 * 512 * 512,
+        ..Limits::default()
+    };
+    let service = support::service_with(limits, Source::inline_only());
+    let server = TestServer::start(&service);
+    let mut greedy = server.connect();
+    let mut large = picture(512);
+    large["image"] = json!("rgba8");
+    for id in 0..30 {
+        greedy.request(id, "frame.render", large.clone());
+    }
+    // The first is on its way: by now the others press behind it.
+    greedy.bytes(1);
+    let mut other = server.connect();
+    for id in 0..10 {
+        other.request(id, "frame.render", large.clone());
+        let frame = other.result(id);
+        assert_eq!(frame["images"]["color"]["bytes"], 512 * 512 * 4);
+    }
+}
+
+#[test]
 fn a_client_that_does_not_read_slows_nobody_but_itself_down() {
     const ASKED: usize = 1000;
     const AT_A_TIME: u64 = 4;
