@@ -105,11 +105,10 @@ fn read(shared: &Shared, stream: &TcpStream, queue: &Queue) {
             Some(count) => {
                 // Where others bring too much along already, this one's bytes wait in its own socket.
                 _room = loop {
-                    if let Some(room) = conversation.room_for(count) {
+                    // On a stop only what has arrived is read, and that lies in the socket's own buffer already.
+                    let room = conversation.room_for(count);
+                    if room.is_some() || matches!(wait(), Wait::Stop) {
                         break room;
-                    }
-                    if matches!(wait(), Wait::Stop) {
-                        return;
                     }
                     std::thread::sleep(LAST_TICK);
                 };
