@@ -4,8 +4,7 @@ use super::{RendererArgs, builtin, printable};
 use crate::engine::{Engine, LoadedRig, RendererChoice};
 use crate::formats::Source;
 use crate::limits::Limits;
-use crate::protocol::Id;
-use crate::protocol::Reply;
+use crate::protocol::{Id, Outgoing, Reply};
 use crate::service::Service;
 use anyhow::Context;
 use serde::Serialize;
@@ -42,9 +41,14 @@ pub(super) fn ask<P: Serialize, R: DeserializeOwned>(
     method: &str,
     params: &P,
 ) -> anyhow::Result<(R, Vec<u8>)> {
-    let request =
-        serde_json::json!({ "jsonrpc": "2.0", "id": Id::Null, "method": method, "params": params });
-    let reply = service.answer(request.to_string().as_bytes(), Vec::new());
+    let request = Outgoing {
+        id: Some(&Id::Null),
+        method,
+        params,
+        deadline_ms: None,
+        attach_bytes: 0,
+    };
+    let reply = service.answer(&request.line()?, Vec::new());
     let reply = reply.context("a request with an id is answered")?;
     let result = Reply::parse(&reply.line)?.outcome?;
     Ok((

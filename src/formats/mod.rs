@@ -122,15 +122,14 @@ fn add_skin(
         }
     };
     let mut mesh = MeshDraft {
-        name: String::new(),
-        positions: skin.positions,
-        normals: skin.normals,
-        texcoords: skin.texcoords,
-        triangles: skin.triangles,
         material,
-        ..MeshDraft::default()
+        ..skin.mesh
     };
-    if !draft.joints.is_empty() {
+    if draft.joints.is_empty() {
+        // Nothing to be bound to: it stays as it was modelled.
+        mesh.influence_counts.clear();
+        mesh.influences.clear();
+    } else {
         // Each skin has bindings of its own. Four thousand million of them would not fit any file.
         let first = draft.bindings.len() as u32;
         let bindings = skin.bindings.into_iter().enumerate();
@@ -140,8 +139,6 @@ fn add_skin(
                 joint: Some(joint),
                 bind_from_joint,
             }));
-        mesh.influence_counts = skin.influence_counts;
-        mesh.influences = skin.influences;
         for (binding, _) in &mut mesh.influences {
             *binding += first;
         }

@@ -18,6 +18,7 @@ use crate::pose::{Palette, Posed};
 use crate::rig::Rig;
 use crate::scene::{Scene, Shape, ShowSkeleton, ShowSkin, VertexQuery};
 use glam::Vec3;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// One renderer's worth of work.
@@ -89,10 +90,10 @@ impl Instance {
     }
 
     /// One matrix per binding, as the shape wants it.
-    pub fn palette(&self) -> Palette {
+    pub fn palette(&self) -> Cow<'_, Palette> {
         match self.shape {
-            Shape::Posed => self.posed.palette().clone(),
-            Shape::Bind => Palette::bind(self.rig()),
+            Shape::Posed => Cow::Borrowed(self.posed.palette()),
+            Shape::Bind => Cow::Owned(Palette::bind(self.rig())),
         }
     }
 }

@@ -49,7 +49,7 @@ impl Call<'_> {
             move |result| match result {
                 Ok((frame, timings)) => {
                     stats.rendered(1, reply.vertices, timings.render);
-                    reply.send(answer, &frame, timings, held);
+                    reply.send(answer, frame, timings, held);
                 }
                 Err(error) => answer.fail(error.into()),
             },
@@ -70,16 +70,16 @@ struct FrameReply {
 }
 
 impl FrameReply {
-    fn send(self, answer: Answer, frame: &Frame, timings: Timings, held: HeldBytes) {
+    fn send(self, answer: Answer, frame: Frame, timings: Timings, held: HeldBytes) {
         let started = Instant::now();
         let Size { width, height } = frame.size;
         let picture = match self.image {
             wire::ImageFormat::Rgba8 => Picture::Rgba8 {
                 width,
                 height,
-                pixels: frame.pixels.clone(),
+                pixels: frame.pixels,
             },
-            wire::ImageFormat::Png => match encode::png(frame, of_compression(self.compression)) {
+            wire::ImageFormat::Png => match encode::png(&frame, of_compression(self.compression)) {
                 Ok(file) => Picture::Png(file),
                 Err(error) => {
                     return answer.fail(Fault::Internal {

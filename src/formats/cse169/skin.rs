@@ -19,20 +19,14 @@ use super::sections::{Brace, Section};
 use crate::formats::error::{FileFault, LoadError};
 use crate::formats::lexer::{Lexer, Token};
 use crate::limits::Limits;
-use crate::rig::Warnings;
+use crate::rig::{MeshDraft, Warnings};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 
 /// A skin as its file has it; every index in it is in range.
 #[derive(Debug, Default)]
 pub(in crate::formats) struct Skin {
-    pub positions: Vec<Vec3>,
-    pub normals: Option<Vec<Vec3>>,
-    pub texcoords: Option<Vec<Vec2>>,
-    /// Of each vertex, or none at all.
-    pub influence_counts: Vec<u32>,
-    /// `(index into bindings, weight)` of every vertex, one vertex after another; no weight is negative.
-    pub influences: Vec<(u32, f64)>,
-    pub triangles: Vec<[u32; 3]>,
+    /// Its influences name `bindings`; no weight is negative.
+    pub mesh: MeshDraft,
     /// `bind_from_joint` of every joint.
     pub bindings: Vec<DAffine3>,
     pub material: Option<SkinMaterial>,
@@ -172,14 +166,14 @@ impl<'a> Reader<'a, '_> {
         self.sections[part as usize] = Some(section);
         let skin = &mut self.skin;
         match part {
-            Part::Positions => skin.positions = read_vectors(&section, lexer)?,
-            Part::Normals => skin.normals = Some(read_vectors(&section, lexer)?),
-            Part::Texcoords => skin.texcoords = Some(read_texcoords(&section, lexer)?),
-            Part::Triangles => skin.triangles = read_triangles(&section, lexer)?,
+            Part::Positions => skin.mesh.positions = read_vectors(&section, lexer)?,
+            Part::Normals => skin.mesh.normals = Some(read_vectors(&section, lexer)?),
+            Part::Texcoords => skin.mesh.texcoords = Some(read_texcoords(&section, lexer)?),
+            Part::Triangles => skin.mesh.triangles = read_triangles(&section, lexer)?,
             Part::Bindings => skin.bindings = read_bindings(&section, lexer)?,
             Part::Skinweights => {
-                let influences = &mut skin.influences;
-                skin.influence_counts = read_weights(&section, lexer, influences, limits)?;
+                let influences = &mut skin.mesh.influences;
+                skin.mesh.influence_counts = read_weights(&section, lexer, influences, limits)?;
             }
         }
         Ok(())
@@ -247,7 +241,7 @@ impl<'a> Reader<'a, '_> {
     }
 
     fn check_counts(&self, skeleton: Option<BoundTo>) -> Result<(), FileFault> {
-        let positions = self.skin.positions.len();
+        let positions = self.skin.mesh.positions.len();
         let differs = |section: &Section<'a>, expected: String| {
             Err(self.lexer.fault(section.count_token, expected))
         };
@@ -276,8 +270,8 @@ impl<'a> Reader<'a, '_> {
     }
 
     fn check_triangles(&self) -> Result<(), FileFault> {
-        let vertex_count = self.skin.positions.len();
-        let corners = self.skin.triangles.as_flattened();
+        let vertex_count = self.skin.mesh.positions.len();
+        let corners = self.skin.mesh.triangles.as_flattened();
         let bad = corners
             .iter()
             .position(|&vertex| vertex as usize >= vertex_count);
@@ -293,7 +287,7 @@ impl<'a> Reader<'a, '_> {
 
     fn check_influences(&self) -> Result<(), FileFault> {
         let binding_count = self.skin.bindings.len();
-        let mut influences = self.skin.influences.iter();
+        let mut influences = self.skin.mesh.influences.iter();
         let bad = influences.position(|&(binding, _)| binding as usize >= binding_count);
         let (Some(influence), Some(section)) = (bad, self.section(Part::Skinweights)) else {
             return Ok(());
@@ -302,7 +296,7 @@ impl<'a> Reader<'a, '_> {
         let mut counts = 0;
         let mut influences_so_far = 0;
         while influences_so_far <= influence {
-            influences_so_far += self.skin.influence_counts[counts] as usize;
+            influences_so_far += self.skin.mesh.influence_counts[counts] as usize;
             counts += 1;
         }
         let expected = format!("a joint below {binding_count}, the number of bindings");

@@ -240,18 +240,18 @@ bindings 2 {\n matrix {\n 0 1 0\n -1 0 0\n 0 0 1\n 5 6 7\n }\n matrix { 1 0 0 0 
 #[test]
 fn all_sections_of_a_skin_are_read() {
     let (skin, warnings) = skin_with(Some(2), SKIN).expect("it is a skin");
-    assert_eq!(skin.positions[2], Vec3::new(0.0, 1.0, 0.5));
+    assert_eq!(skin.mesh.positions[2], Vec3::new(0.0, 1.0, 0.5));
     assert_eq!(
-        skin.normals.as_deref().map(|normals| normals[2]),
+        skin.mesh.normals.as_deref().map(|normals| normals[2]),
         Some(Vec3::new(0.0, 0.0, 2.0))
     );
     assert_eq!(
-        skin.texcoords.as_deref().map(|uvs| uvs[2]),
+        skin.mesh.texcoords.as_deref().map(|uvs| uvs[2]),
         Some(Vec2::new(0.0, 1.5))
     );
-    assert_eq!(skin.influence_counts, [1, 2, 0]);
-    assert_eq!(skin.influences, [(0, 1.0), (0, 0.25), (1, 0.75)]);
-    assert_eq!(skin.triangles, [[0, 1, 2]]);
+    assert_eq!(skin.mesh.influence_counts, [1, 2, 0]);
+    assert_eq!(skin.mesh.influences, [(0, 1.0), (0, 0.25), (1, 0.75)]);
+    assert_eq!(skin.mesh.triangles, [[0, 1, 2]]);
     let material = skin.material.expect("it has one");
     let texture = material
         .texture
@@ -314,7 +314,7 @@ fn what_is_odd_in_a_skin_is_worked_with() {
         ),
     ] {
         let (skin, found) = skin_with(Some(2), &text).expect(&text);
-        assert_eq!(skin.triangles.len(), 1, "{text}");
+        assert_eq!(skin.mesh.triangles.len(), 1, "{text}");
         assert_eq!(found, warnings, "{text}");
     }
 }

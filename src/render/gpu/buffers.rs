@@ -29,7 +29,7 @@ impl Growing {
         if grows {
             let roomy = bytes
                 .next_power_of_two()
-                .min(device.capabilities().buffer_bytes);
+                .min(device.capabilities.buffer_bytes);
             self.buffer = create(device, self.label, self.usage, roomy.max(bytes));
         }
         grows

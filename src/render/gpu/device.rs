@@ -18,6 +18,15 @@ pub struct Capabilities {
 }
 
 impl Capabilities {
+    fn of(limits: &wgpu::Limits) -> Self {
+        Self {
+            side: u64::from(limits.max_texture_dimension_2d),
+            buffer_bytes: limits
+                .max_buffer_size
+                .min(limits.max_storage_buffer_binding_size),
+        }
+    }
+
     /// Name and value of each, as errors name them.
     pub fn entries(&self) -> [(&'static str, u64); 2] {
         [(SIDE, self.side), (BUFFER_BYTES, self.buffer_bytes)]
@@ -67,6 +76,7 @@ pub(super) struct Device {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
     pub info: AdapterInfo,
+    pub capabilities: Capabilities,
     faults: Arc<Mutex<Faults>>,
 }
 
@@ -112,22 +122,14 @@ impl Device {
                 .lost
                 .get_or_insert(format!("{reason:?} {message}"));
         });
+        let capabilities = Capabilities::of(&device.limits());
         Ok(Self {
             device,
             queue,
             info,
+            capabilities,
             faults,
         })
-    }
-
-    pub fn capabilities(&self) -> Capabilities {
-        let limits = self.device.limits();
-        Capabilities {
-            side: u64::from(limits.max_texture_dimension_2d),
-            buffer_bytes: limits
-                .max_buffer_size
-                .min(limits.max_storage_buffer_binding_size),
-        }
     }
 
     /// What the device complained of since the last call.

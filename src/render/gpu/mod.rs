@@ -58,7 +58,7 @@ impl Gpu {
     }
 
     pub fn capabilities(&self) -> Capabilities {
-        self.device.capabilities()
+        self.device.capabilities
     }
 
     /// Device memory in use, as far as rigd asked for it.
@@ -94,7 +94,7 @@ impl Gpu {
     fn encode(&mut self, plan: &Plan) -> Result<InFlight, RenderError> {
         let device = &self.device;
         for instance in &plan.instances {
-            device.capabilities().accept_rig(instance.rig())?;
+            device.capabilities.accept_rig(instance.rig())?;
             self.uploads
                 .upload(device, &self.skin.mesh_layout, instance.rig());
         }
@@ -126,7 +126,7 @@ impl Gpu {
             }
         };
         let (size, samples) = (picture.scene.size, picture.scene.samples);
-        device.capabilities().accept_size(size)?;
+        device.capabilities.accept_size(size)?;
         let shape = TargetShape {
             size,
             samples,
