@@ -25,7 +25,8 @@
 //! |---|---|
 //! | `wgpu` `pollster` | [`render::gpu`] |
 //! | `bytemuck` | [`render::gpu`] [`render`] [`rig`] [`pose`] |
-//! | `rayon` `image` | [`encode`] |
+//! | `rayon` | [`encode`] |
+//! | `image` | [`encode`] [`formats`] |
 //! | `cap_std` `sha2` | [`formats`] |
 //! | `serde_path_to_error` `strsim` `schemars` `base64` | [`protocol`] |
 //! | `serde` `serde_json` | [`protocol`] [`service`] [`client`] [`cli`] |
@@ -33,7 +34,7 @@
 //! | `clap` `anyhow` `signal_hook` | [`cli`] |
 //! | `std::net` | [`server`] [`client`] |
 //! | `std::fs` | [`formats`] [`cli`] |
-//! | `libm` | [`pose`] [`scene`] |
+//! | `libm` | [`pose`] [`scene`] [`rig`] |
 //!
 //! `glam` and `thiserror` are at home everywhere.
 //!

@@ -71,6 +71,12 @@ limits! {
     influences: 64 << 20,
     /// Morph targets of one rig.
     morph_targets: 4096,
+    /// Vertices that the morph targets of one rig move, each counted once for every target that lists it.
+    morph_displacements: 16 << 20,
+    /// Animations of one rig.
+    clips: 4096,
+    /// Keys of all animations of one rig together.
+    keys: 8 << 20,
     /// Bytes of the files of one rig, what they refer to included.
     rig_file_bytes: 256 << 20,
     /// Bytes of memory that all loaded rigs may take, as estimated when each is loaded.

@@ -102,7 +102,7 @@ fn dof_line(dof: &DofDescription, joint: &str) -> String {
     let suffix = dof.name.strip_prefix(joint).unwrap_or(&dof.name);
     let number = |value: f64| match dof.kind {
         DofKind::Rotation => format!("{:.1}°", value.to_degrees()),
-        DofKind::Translation => format!("{value:.4}"),
+        DofKind::Translation | DofKind::Morph => format!("{value:.4}"),
     };
     let limits = match (dof.min, dof.max) {
         (None, None) => String::new(),

@@ -5,6 +5,7 @@ mod cse169;
 mod digest;
 mod error;
 mod lexer;
+mod pictures;
 mod recognise;
 mod sent;
 mod source;
@@ -77,7 +78,7 @@ pub fn load(files: &[FileRef], source: &Source, limits: &Limits) -> Result<Loade
         file: &file.name,
         joint_count: draft.joints.len(),
     });
-    let mut textures = Textures::new(&sent, source, budget);
+    let mut textures = Textures::new(&sent, source, budget, limits);
     for file in &skins {
         let skin = skin::read(file.lexer()?, bound_to, limits, &mut draft.warnings)?;
         add_skin(&mut draft, skin, file, &mut textures)?;
@@ -158,7 +159,10 @@ fn told(error: RigError, skeleton: Option<&Sent>, skins: &[&Sent]) -> LoadError 
         RigError::Empty
         | RigError::ParentNotBefore { .. }
         | RigError::SecondRoot { .. }
-        | RigError::LimitReversed { .. } => skeleton,
+        | RigError::LimitReversed { .. }
+        | RigError::NoSuchDof { .. }
+        | RigError::KeysOutOfOrder { .. }
+        | RigError::VertexTwice { .. } => skeleton,
     };
     let name = file
         .or(skeleton)

@@ -1,11 +1,13 @@
 //! Pictures that files refer to: among the files sent, else beside the file that refers to them.
-//! Never lives here: decoding a picture.
+//! Never lives here: what is inside a picture's file.
 
 use super::cse169::skin::TextureName;
 use super::error::{LoadError, quoted};
+use super::pictures::{self, BadPicture};
 use super::recognise::{Kind, base_name};
 use super::sent::Sent;
 use super::source::{Budget, Denied, Source};
+use crate::limits::Limits;
 use crate::rig::{Texture, Warnings};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -19,6 +21,7 @@ pub(super) struct Textures<'a> {
     found: Vec<Found>,
     source: &'a Source,
     budget: Budget<'a>,
+    limits: &'a Limits,
 }
 
 /// A picture that was not sent.
@@ -29,7 +32,12 @@ struct Found {
 }
 
 impl<'a> Textures<'a> {
-    pub(super) fn new(sent: &'a [Sent], source: &'a Source, budget: Budget<'a>) -> Self {
+    pub(super) fn new(
+        sent: &'a [Sent],
+        source: &'a Source,
+        budget: Budget<'a>,
+        limits: &'a Limits,
+    ) -> Self {
         let names = sent.iter().map(|file| base_name(&file.name));
         Self {
             sent,
@@ -38,24 +46,26 @@ impl<'a> Textures<'a> {
             found: Vec::new(),
             source,
             budget,
+            limits,
         }
     }
 
     /// A texture that cannot be had is a warning: the rig is drawn without it.
     ///
     /// # Errors
-    /// Only where it is larger than the request's files may be.
+    /// Only where its file is larger than the request's files may be, or has more pixels than a picture may.
     pub(super) fn look_up(
         &mut self,
         skin: &Sent,
         name: &TextureName,
         warnings: &mut Warnings,
-    ) -> Result<Option<Texture>, LoadError> {
+    ) -> Result<Option<Arc<Texture>>, LoadError> {
         let reason = match self.find(skin, &name.file) {
-            Ok(encoded) => {
-                let file = name.file.clone();
-                return Ok(Some(Texture { file, encoded }));
-            }
+            Ok(encoded) => match pictures::decode(&encoded, self.limits) {
+                Ok(level) => return Ok(Some(Arc::new(Texture::new(name.file.clone(), level)))),
+                Err(BadPicture::Limit(exceeded)) => return Err(exceeded.into()),
+                Err(BadPicture::Undecodable(reason)) => reason,
+            },
             Err(Denied::Limit(exceeded)) => return Err(exceeded.into()),
             Err(Denied::NotFound) => "it was not found".to_owned(),
             Err(Denied::NotAllowed(reason)) => reason.to_owned(),

@@ -49,6 +49,8 @@ struct JointPose {
 pub struct Pose {
     rig: Arc<Rig>,
     joints: Vec<JointPose>,
+    /// One per morph target.
+    morph_weights: Vec<f64>,
 }
 
 /// What to do with a value past its limits.
@@ -101,6 +103,7 @@ impl Pose {
         };
         Self {
             joints: rig.skeleton().joints().iter().map(at_rest).collect(),
+            morph_weights: rig.morphs().iter().map(|morph| morph.rest).collect(),
             rig: Arc::clone(rig),
         }
     }
@@ -120,10 +123,12 @@ impl Pose {
     }
 
     fn value(&self, dof: &Dof) -> f64 {
-        let joint = &self.joints[dof.joint];
         match dof.kind {
-            DofKind::Translation(axis) => joint.displacement[axis.index()],
-            DofKind::Rotation(axis) => joint.rotation.angles(self.joint(dof.joint))[axis.index()],
+            DofKind::Translation { joint, axis } => self.joints[joint].displacement[axis.index()],
+            DofKind::Rotation { joint, axis } => {
+                self.joints[joint].rotation.angles(self.joint(joint))[axis.index()]
+            }
+            DofKind::Morph { morph } => self.morph_weights[morph],
         }
     }
 
@@ -163,15 +168,17 @@ impl Pose {
 
     fn set_dof(&mut self, dof: usize, value: f64) {
         let rig = Arc::clone(&self.rig);
-        let Dof { joint, kind, .. } = &rig.dofs().all()[dof];
-        let pose = &mut self.joints[*joint];
-        match kind {
-            DofKind::Translation(axis) => pose.displacement[axis.index()] = value,
-            DofKind::Rotation(axis) => {
-                let mut angles = pose.rotation.angles(&rig.skeleton().joints()[*joint]);
-                angles[axis.index()] = value;
-                pose.rotation = Rotation::Angles(angles);
+        match rig.dofs().all()[dof].kind {
+            DofKind::Translation { joint, axis } => {
+                self.joints[joint].displacement[axis.index()] = value;
             }
+            DofKind::Rotation { joint, axis } => {
+                let rotation = &mut self.joints[joint].rotation;
+                let mut angles = rotation.angles(&rig.skeleton().joints()[joint]);
+                angles[axis.index()] = value;
+                *rotation = Rotation::Angles(angles);
+            }
+            DofKind::Morph { morph } => self.morph_weights[morph] = value,
         }
     }
 
@@ -197,8 +204,8 @@ impl Pose {
             Fit::Clamped { asked, used } => {
                 for axis in Axis::ALL {
                     let (asked, used) = (asked[axis.index()], used[axis.index()]);
-                    if asked != used {
-                        let dof = self.rig.dofs().rotation(joint, axis);
+                    let dof = self.rig.dofs().of_kind(DofKind::Rotation { joint, axis });
+                    if let Some(dof) = dof.filter(|_| asked != used) {
                         self.note(Clamped { dof, asked, used }, policy, clamped)?;
                     }
                 }

@@ -151,9 +151,9 @@ pub struct RigDescription {
     pub dofs: Vec<DofDescription>,
     pub meshes: Vec<MeshDescription>,
     pub materials: Vec<MaterialDescription>,
-    /// None of the formats read so far has any.
+    /// In load order; each is moved by the degree of freedom `morph.<name>`.
     pub morphs: Vec<MorphDescription>,
-    /// None of the formats read so far has any.
+    /// What `clip` of a pose can name.
     pub clips: Vec<ClipDescription>,
     /// Of the skinned vertices and the joints at rest.
     pub bounds: Bounds,
@@ -185,7 +185,7 @@ pub enum RotationOrder {
 /// One number that a pose sets.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DofDescription {
-    /// The joint's name and one of `tx ty tz rx ry rz`, e.g. `elbow.rx`.
+    /// The joint's name and one of `tx ty tz rx ry rz`, e.g. `elbow.rx`; or `morph.` and a morph target's name.
     pub name: String,
     pub kind: DofKind,
     /// Null for one that belongs to no joint.
@@ -208,6 +208,8 @@ pub enum DofKind {
     Translation,
     /// Local Euler angle about an axis, in radians.
     Rotation,
+    /// Weight of a morph target: 0 leaves the mesh as modelled, 1 is the target itself.
+    Morph,
 }
 
 /// One mesh.
@@ -234,12 +236,20 @@ pub struct MaterialDescription {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct MorphDescription {
     pub name: String,
+    /// The mesh that it moves.
+    pub mesh: String,
+    /// Vertices that it moves.
+    pub vertex_count: u64,
 }
 
 /// An animation.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ClipDescription {
     pub name: String,
+    /// From when to when it is meant to be played, in seconds. A pose may take it at any time.
+    pub range: [f64; 2],
+    /// Degrees of freedom that it sets.
+    pub channel_count: u64,
 }
 
 /// A box along the axes of its space, in the rig's units.

@@ -1,79 +1,103 @@
 //! Degrees of freedom: the numbers that a pose sets, and their order on the wire.
 
-use super::{Axis, Joint, Limit, Skeleton};
+use super::{Axis, Limit, Morph, Skeleton};
 use std::collections::HashMap;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What a DOF moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum DofKind {
     /// Displacement from rest along an axis of the parent, in the rig's units.
-    Translation(Axis),
+    Translation { joint: usize, axis: Axis },
     /// Absolute local Euler angle about an axis, in radians.
-    Rotation(Axis),
+    Rotation { joint: usize, axis: Axis },
+    /// Weight of a morph target: 0 leaves the mesh as modelled, 1 is the target itself.
+    Morph { morph: usize },
+}
+
+impl DofKind {
+    /// The joint that it moves, if it moves one.
+    pub fn joint(self) -> Option<usize> {
+        match self {
+            Self::Translation { joint, .. } | Self::Rotation { joint, .. } => Some(joint),
+            Self::Morph { .. } => None,
+        }
+    }
 }
 
 /// One number that a pose sets.
 #[derive(Debug, Clone)]
 pub struct Dof {
-    /// `<joint>.<tx|ty|tz|rx|ry|rz>`, unique in its rig.
+    /// `<joint>.<tx|ty|tz|rx|ry|rz>` or `morph.<target>`, unique in its rig.
     pub name: String,
-    pub joint: usize,
     pub kind: DofKind,
     pub limit: Limit,
     /// The file's own value, inside `limit`.
     pub rest: f64,
 }
 
-impl Dof {
-    fn of(joint: &Joint, index: usize, kind: DofKind) -> Self {
-        let (letter, axis, limit, rest) = match kind {
-            DofKind::Translation(axis) => ('t', axis, Limit::NONE, 0.0),
-            DofKind::Rotation(axis) => (
-                'r',
-                axis,
-                joint.rotation_limits[axis.index()],
-                joint.rest_angles[axis.index()],
-            ),
-        };
-        Self {
-            name: format!("{}.{letter}{}", joint.name, axis.letter()),
-            joint: index,
-            kind,
-            limit,
-            rest,
-        }
-    }
-}
-
-/// Every DOF of a rig: joints in file order, each `tx ty tz rx ry rz` as far as it has them.
+/// Every DOF of a rig: joints in file order, each `tx ty tz rx ry rz` as far as it has them, then morph targets in load order.
 #[derive(Debug)]
 pub struct Dofs {
     all: Vec<Dof>,
     by_name: HashMap<String, usize>,
-    /// Of each joint, where its three rotations start.
-    first_rotation: Vec<usize>,
+    by_kind: HashMap<DofKind, usize>,
 }
 
 impl Dofs {
-    pub(super) fn of(skeleton: &Skeleton) -> Self {
-        let mut all = Vec::new();
-        let mut first_rotation = Vec::with_capacity(skeleton.joints().len());
+    pub(super) fn of(skeleton: &Skeleton, morphs: &[Morph]) -> Self {
+        let mut dofs = Self {
+            all: Vec::new(),
+            by_name: HashMap::new(),
+            by_kind: HashMap::new(),
+        };
         for (index, joint) in skeleton.joints().iter().enumerate() {
+            let name =
+                |letter: char, axis: Axis| format!("{}.{letter}{}", joint.name, axis.letter());
             if joint.translates {
-                all.extend(Axis::ALL.map(|axis| Dof::of(joint, index, DofKind::Translation(axis))));
+                for axis in Axis::ALL {
+                    let kind = DofKind::Translation { joint: index, axis };
+                    dofs.push(name('t', axis), kind, Limit::NONE, 0.0);
+                }
             }
-            first_rotation.push(all.len());
-            all.extend(Axis::ALL.map(|axis| Dof::of(joint, index, DofKind::Rotation(axis))));
+            for axis in Axis::ALL {
+                let kind = DofKind::Rotation { joint: index, axis };
+                let limit = joint.rotation_limits[axis.index()];
+                dofs.push(
+                    name('r', axis),
+                    kind,
+                    limit,
+                    joint.rest_angles[axis.index()],
+                );
+            }
         }
-        let by_name = all
-            .iter()
-            .enumerate()
-            .map(|(index, dof)| (dof.name.clone(), index))
-            .collect();
-        Self {
-            all,
-            by_name,
-            first_rotation,
+        for (index, morph) in morphs.iter().enumerate() {
+            let kind = DofKind::Morph { morph: index };
+            dofs.push(
+                format!("morph.{}", morph.name),
+                kind,
+                Limit::NONE,
+                morph.rest,
+            );
         }
+        dofs
+    }
+
+    fn push(&mut self, name: String, kind: DofKind, limit: Limit, rest: f64) {
+        // Only a morph target called `rx` beside a joint called `morph` comes to this.
+        let repeats = (2..).map(|k| format!("{name}#{k}"));
+        let free = |candidate: &String| !self.by_name.contains_key(candidate);
+        let name = std::iter::once(name.clone())
+            .chain(repeats)
+            .find(free)
+            .unwrap_or(name);
+        self.by_name.insert(name.clone(), self.all.len());
+        self.by_kind.insert(kind, self.all.len());
+        self.all.push(Dof {
+            name,
+            kind,
+            limit,
+            rest,
+        });
     }
 
     pub fn all(&self) -> &[Dof] {
@@ -85,8 +109,8 @@ impl Dofs {
         self.by_name.get(name).copied()
     }
 
-    /// The index in [`Dofs::all`] of a joint's rotation about an axis.
-    pub fn rotation(&self, joint: usize, axis: Axis) -> usize {
-        self.first_rotation[joint] + axis.index()
+    /// The index in [`Dofs::all`] of the DOF that moves this.
+    pub fn of_kind(&self, kind: DofKind) -> Option<usize> {
+        self.by_kind.get(&kind).copied()
     }
 }

@@ -1,6 +1,6 @@
 //! What readers fill: plain fields, and what can be wrong with them. Never lives here: the checks, which are in `build`.
 
-use super::{LARGEST_COORDINATE, Limit, Material, RotationOrder, Warnings};
+use super::{Curve, DofKind, LARGEST_COORDINATE, Limit, Material, RotationOrder, Warnings};
 use crate::limits::LimitExceeded;
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 
@@ -13,6 +13,9 @@ pub struct Draft {
     /// What the influences of all meshes point at.
     pub bindings: Vec<BindingDraft>,
     pub materials: Vec<Material>,
+    /// In load order.
+    pub morphs: Vec<MorphDraft>,
+    pub clips: Vec<ClipDraft>,
     pub warnings: Warnings,
 }
 
@@ -56,6 +59,38 @@ pub struct MeshDraft {
     pub material: Option<usize>,
 }
 
+/// A sparse morph target of one mesh.
+#[derive(Debug, Default)]
+pub struct MorphDraft {
+    /// Empty where the file gives none.
+    pub name: String,
+    /// Index into [`Draft::meshes`].
+    pub mesh: usize,
+    /// `(vertex, where it is at weight 1)` in bind space; each vertex at most once, those left out stay.
+    pub positions: Vec<(u32, Vec3)>,
+    /// `(vertex, its normal at weight 1)`, as [`MorphDraft::positions`].
+    pub normals: Vec<(u32, Vec3)>,
+    /// Weight in the file's own pose.
+    pub rest: f64,
+}
+
+/// An animation: curves that set DOFs.
+#[derive(Debug, Default)]
+pub struct ClipDraft {
+    /// Empty where the file gives none.
+    pub name: String,
+    /// From when to when it is meant to be played, in seconds.
+    pub range: [f64; 2],
+    pub channels: Vec<ChannelDraft>,
+}
+
+#[derive(Debug)]
+pub struct ChannelDraft {
+    /// One that the rig has.
+    pub target: DofKind,
+    pub curve: Curve,
+}
+
 /// Why a draft is not a rig.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RigError {
@@ -93,6 +128,12 @@ pub enum RigError {
         found: usize,
         count: usize,
     },
+    #[error("clip {clip} moves a DOF that the rig does not have")]
+    NoSuchDof { clip: usize },
+    #[error("clip {clip} has a curve whose keys are not in the order of their times")]
+    KeysOutOfOrder { clip: usize },
+    #[error("morph target {morph} lists vertex {vertex} twice")]
+    VertexTwice { morph: usize, vertex: u32 },
     #[error(transparent)]
     Limit(#[from] LimitExceeded),
 }

@@ -1,5 +1,6 @@
 //! Surfaces in bind space and what they are bound to.
 
+use super::MorphDisplacement;
 use glam::{DAffine3, Vec2, Vec3};
 
 /// What a vertex can be bound to: a joint as it stood when the mesh was bound, or the world itself.
@@ -37,6 +38,8 @@ pub struct Mesh {
     pub(super) texcoords: Option<Vec<Vec2>>,
     pub(super) influence_starts: Vec<u32>,
     pub(super) influences: Vec<Influence>,
+    pub(super) morph_starts: Vec<u32>,
+    pub(super) morph_displacements: Vec<MorphDisplacement>,
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) draw_triangles: Vec<[u32; 3]>,
     pub(super) material: Option<usize>,
@@ -70,7 +73,7 @@ impl Mesh {
         &self.influence_starts
     }
 
-    /// Those of every vertex, one vertex after another.
+    /// Those of every vertex, one vertex after another; those of one vertex heaviest first, of equal ones the lowest joint first.
     pub fn influences(&self) -> &[Influence] {
         &self.influences
     }
@@ -78,6 +81,24 @@ impl Mesh {
     pub fn influences_of(&self, vertex: usize) -> &[Influence] {
         &self.influences
             [self.influence_starts[vertex] as usize..self.influence_starts[vertex + 1] as usize]
+    }
+
+    /// `vertex_count + 1` indices into [`Mesh::morph_displacements`], or none where no morph target moves this mesh.
+    pub fn morph_starts(&self) -> &[u32] {
+        &self.morph_starts
+    }
+
+    /// What morph targets do to every vertex, one vertex after another.
+    pub fn morph_displacements(&self) -> &[MorphDisplacement] {
+        &self.morph_displacements
+    }
+
+    /// What morph targets do to one vertex.
+    pub fn morph_displacements_of(&self, vertex: usize) -> &[MorphDisplacement] {
+        match self.morph_starts.get(vertex..vertex + 2) {
+            Some(&[start, end]) => &self.morph_displacements[start as usize..end as usize],
+            _ => &[],
+        }
     }
 
     /// With the file's own winding.
@@ -105,6 +126,8 @@ impl Mesh {
             + texcoords
             + size_of_val(self.influence_starts.as_slice())
             + size_of_val(self.influences.as_slice())
+            + size_of_val(self.morph_starts.as_slice())
+            + size_of_val(self.morph_displacements.as_slice())
             + size_of_val(self.triangles.as_slice())
             + size_of_val(self.draw_triangles.as_slice())
     }

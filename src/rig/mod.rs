@@ -2,19 +2,27 @@
 //! Never lives here: anything that knows a file format, a pose or a GPU.
 
 mod build;
+mod clip;
 mod dof;
 mod draft;
 mod material;
 mod mesh;
+mod morph;
 mod names;
 mod skeleton;
+mod texture;
 mod warnings;
 
+pub use clip::{Channel, Clip, Curve, Extrapolation, Key};
 pub use dof::{Dof, DofKind, Dofs};
-pub use draft::{BindingDraft, Draft, JointDraft, MeshDraft, RigError};
-pub use material::{Material, Texture};
+pub use draft::{
+    BindingDraft, ChannelDraft, ClipDraft, Draft, JointDraft, MeshDraft, MorphDraft, RigError,
+};
+pub use material::Material;
 pub use mesh::{Binding, Influence, Mesh};
+pub use morph::{Morph, MorphDisplacement};
 pub use skeleton::{Axis, Joint, Limit, RotationOrder, Skeleton};
+pub use texture::{Texture, TextureLevel};
 pub use warnings::Warnings;
 
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -44,6 +52,8 @@ pub struct Rig {
     meshes: Vec<Mesh>,
     bindings: Vec<Binding>,
     materials: Vec<Material>,
+    morphs: Vec<Morph>,
+    clips: Vec<Clip>,
     warnings: Vec<String>,
 }
 
@@ -73,6 +83,15 @@ impl Rig {
         &self.materials
     }
 
+    /// In load order, as their DOFs stand.
+    pub fn morphs(&self) -> &[Morph] {
+        &self.morphs
+    }
+
+    pub fn clips(&self) -> &[Clip] {
+        &self.clips
+    }
+
     /// What was odd in the files but could be worked with, a sentence each.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
@@ -94,9 +113,16 @@ impl Rig {
             .materials
             .iter()
             .filter_map(|m| m.texture.as_ref())
-            .map(|t| t.encoded.len())
+            .map(|t| t.memory_bytes())
             .sum();
         let meshes: usize = self.meshes.iter().map(Mesh::memory_bytes).sum();
-        (skeleton + textures + meshes + std::mem::size_of_val(self.bindings.as_slice())) as u64
+        let keys: usize = self
+            .clips
+            .iter()
+            .flat_map(|clip| &clip.channels)
+            .map(|channel| std::mem::size_of_val(channel.curve.keys.as_slice()))
+            .sum();
+        (skeleton + keys + textures + meshes + std::mem::size_of_val(self.bindings.as_slice()))
+            as u64
     }
 }

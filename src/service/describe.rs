@@ -6,7 +6,7 @@ use crate::limits::Limits;
 use crate::pose::Clamped;
 use crate::protocol::pose as wire_pose;
 use crate::protocol::rig as wire;
-use crate::rig::{Axis, Dof, DofKind, Joint, Limit, Rig, RotationOrder};
+use crate::rig::{Dof, DofKind, Joint, Limit, Rig, RotationOrder};
 use crate::scene::Bounds;
 
 /// What `rig.describe` would answer for these files, without keeping them and without a renderer.
@@ -36,8 +36,8 @@ pub(super) fn summary(loaded: &LoadedRig) -> wire::RigSummary {
         dof_count: rig.dofs().all().len() as u64,
         vertex_count: rig.vertex_count() as u64,
         triangle_count: rig.triangle_count() as u64,
-        morph_count: 0,
-        clip_count: 0,
+        morph_count: rig.morphs().len() as u64,
+        clip_count: rig.clips().len() as u64,
         warnings: rig.warnings().to_vec(),
     }
 }
@@ -78,11 +78,27 @@ pub(super) fn description(found: &RigRef) -> wire::RigDescription {
                 texture: material
                     .texture
                     .as_ref()
-                    .map(|texture| texture.file.clone()),
+                    .map(|texture| texture.file().to_owned()),
             })
             .collect(),
-        morphs: Vec::new(),
-        clips: Vec::new(),
+        morphs: rig
+            .morphs()
+            .iter()
+            .map(|morph| wire::MorphDescription {
+                name: morph.name.clone(),
+                mesh: rig.meshes()[morph.mesh].name().to_owned(),
+                vertex_count: morph.vertex_count as u64,
+            })
+            .collect(),
+        clips: rig
+            .clips()
+            .iter()
+            .map(|clip| wire::ClipDescription {
+                name: clip.name.clone(),
+                range: clip.range,
+                channel_count: clip.channels.len() as u64,
+            })
+            .collect(),
         bounds: bounds(&found.loaded.rest_bounds),
     }
 }
@@ -133,10 +149,11 @@ fn dof(dof: &Dof, joints: &[Joint], value: f64) -> wire::DofDescription {
     wire::DofDescription {
         name: dof.name.clone(),
         kind: match dof.kind {
-            DofKind::Translation(Axis::X | Axis::Y | Axis::Z) => wire::DofKind::Translation,
-            DofKind::Rotation(Axis::X | Axis::Y | Axis::Z) => wire::DofKind::Rotation,
+            DofKind::Translation { .. } => wire::DofKind::Translation,
+            DofKind::Rotation { .. } => wire::DofKind::Rotation,
+            DofKind::Morph { .. } => wire::DofKind::Morph,
         },
-        joint: Some(joints[dof.joint].name.clone()),
+        joint: dof.kind.joint().map(|joint| joints[joint].name.clone()),
         min: Some(min).filter(|min| min.is_finite()),
         max: Some(max).filter(|max| max.is_finite()),
         rest: dof.rest,

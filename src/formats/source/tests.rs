@@ -8,6 +8,8 @@ use cap_std::fs::Dir;
 use std::path::{Path, PathBuf};
 
 const SKEL: &str = "balljoint root { }";
+/// One pixel: blue 1, green 2, red 3.
+const BMP: &[u8] = b"BM\x3a\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\x01\0\0\0\x01\0\0\0\x01\0\x18\0\0\0\0\0\x04\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x01\x02\x03\0";
 const SKIN: &str = "positions 1 { 0 0 0 } triangles 0 { } material m { texture skin.bmp }";
 
 /// A folder of its own for each test:
@@ -27,14 +29,14 @@ impl Folder {
         std::fs::create_dir_all(root.join("folder")).expect("the temporary folder is ours");
         std::fs::create_dir_all(root.join("sub")).expect("the temporary folder is ours");
         let up = SKIN.replace("skin.bmp", "../../secret.skel");
-        for (file, text) in [
-            ("secret.skel", SKEL),
-            ("root/good.skel", SKEL),
-            ("root/skin.skin", SKIN),
-            ("root/skin.bmp", "BM"),
-            ("root/sub/up.skin", &up),
+        for (file, content) in [
+            ("secret.skel", SKEL.as_bytes()),
+            ("root/good.skel", SKEL.as_bytes()),
+            ("root/skin.skin", SKIN.as_bytes()),
+            ("root/skin.bmp", BMP),
+            ("root/sub/up.skin", up.as_bytes()),
         ] {
-            std::fs::write(base.join(file), text).expect("the temporary folder is ours");
+            std::fs::write(base.join(file), content).expect("the temporary folder is ours");
         }
         #[cfg(unix)]
         for (target, link) in [
@@ -195,10 +197,8 @@ fn textures_are_looked_up_beside_their_skin() {
             .texture
             .as_ref()
             .expect("it lies beside the skin");
-        assert_eq!(
-            (texture.file.as_str(), &*texture.encoded),
-            ("skin.bmp", &b"BM"[..])
-        );
+        assert_eq!(texture.file(), "skin.bmp");
+        assert_eq!(texture.levels()[0].texels, [[3, 2, 1, 255]]);
     }
 }
 
@@ -222,16 +222,16 @@ fn the_bytes_of_all_files_together_are_held_to_their_limit() {
     let folder = Folder::new("limit");
     let inline = FileRef::Inline(File {
         name: "a.bmp".to_owned(),
-        bytes: (*b"BM").into(),
+        bytes: BMP.into(),
     });
     let path = |path: &str| FileRef::Path(path.to_owned());
-    let (skel, skin) = (SKEL.len() as u64, SKIN.len() as u64);
+    let [skel, skin, picture] = [SKEL.len(), SKIN.len(), BMP.len()].map(|bytes| bytes as u64);
     for (files, bytes) in [
         (vec![path("good.skel")], skel),
-        (vec![path("good.skel"), inline.clone()], skel + 2),
-        (vec![inline, path("good.skel")], skel + 2),
+        (vec![path("good.skel"), inline.clone()], skel + picture),
+        (vec![inline, path("good.skel")], skel + picture),
         // The texture that the skin refers to counts.
-        (vec![path("skin.skin")], skin + 2),
+        (vec![path("skin.skin")], skin + picture),
     ] {
         let limits = |rig_file_bytes| Limits {
             rig_file_bytes,
@@ -284,7 +284,7 @@ fn a_texture_found_counts_in_the_digest_as_one_that_was_sent() {
     let skin = FileRef::Path("skin.skin".to_owned());
     let sent = FileRef::Inline(File {
         name: "skin.bmp".to_owned(),
-        bytes: (*b"BM").into(),
+        bytes: BMP.into(),
     });
     let digest = |files: &[FileRef]| {
         let loaded = load(files, &folder.rooted(), &Limits::default());

@@ -1,197 +1,20 @@
-//! The one place where a draft is validated. Readers report faults with their line and column; what is checked here again is what
-//! the rest of the program relies on, whoever filled the draft.
+//! Meshes: counts and indices checked, weights and normals completed, triangles wound.
 
-use super::{
-    Axis, Binding, BindingDraft, Dofs, Draft, Influence, Joint, JointDraft, LARGEST_COORDINATE,
-    Limit, Mesh, MeshDraft, Rig, RigError, RigId, Skeleton, Warnings, names,
-};
-use crate::limits::Limits;
+use super::{are_usable, finite};
+use crate::rig::{Binding, Influence, Mesh, MeshDraft, RigError, Warnings};
 use glam::Vec3;
 
 /// Files print weights with four or five decimals; a sum further off than this was not meant to be 1.
 const WEIGHT_SUM_TOLERANCE: f64 = 1e-3;
 
-impl Draft {
-    /// Validates the draft and completes it: names made unique, rest clamped into its limits, weights divided by their sum, normals
-    /// made unit length or computed, triangles wound about their normals.
-    ///
-    /// # Errors
-    /// [`RigError`] names the first thing found wrong, or the ceiling that the rig exceeds.
-    pub fn build(mut self, limits: &Limits) -> Result<Rig, RigError> {
-        if self.joints.is_empty() && self.meshes.is_empty() {
-            return Err(RigError::Empty);
-        }
-        limits.joints(self.joints.len())?;
-        limits.vertices(
-            self.meshes
-                .iter()
-                .map(|mesh| mesh.positions.len())
-                .sum::<usize>(),
-        )?;
-        limits.triangles(
-            self.meshes
-                .iter()
-                .map(|mesh| mesh.triangles.len())
-                .sum::<usize>(),
-        )?;
-        limits.influences(
-            self.meshes
-                .iter()
-                .map(|mesh| mesh.influences.len())
-                .sum::<usize>(),
-        )?;
-
-        let skeleton = build_skeleton(self.joints)?;
-        let mut bindings = build_bindings(&self.bindings, skeleton.joints().len())?;
-        let mesh_names = names::unique("mesh", self.meshes.iter().map(|mesh| mesh.name.as_str()));
-        let material_names = names::unique(
-            "material",
-            self.materials.iter().map(|material| material.name.as_str()),
-        );
-        for (material, name) in self.materials.iter_mut().zip(material_names) {
-            material.name = name;
-        }
-        let mut meshes = Vec::with_capacity(self.meshes.len());
-        for (index, (mesh, name)) in self.meshes.into_iter().zip(mesh_names).enumerate() {
-            meshes.push(
-                MeshBuild {
-                    index,
-                    mesh,
-                    warnings: &mut self.warnings,
-                }
-                .build(name, &mut bindings, self.materials.len())?,
-            );
-        }
-        Ok(Rig {
-            id: RigId::next(),
-            dofs: Dofs::of(&skeleton),
-            skeleton,
-            meshes,
-            bindings,
-            materials: self.materials,
-            warnings: self.warnings.into_sentences(),
-        })
-    }
-}
-
-/// Finite, and no larger than [`LARGEST_COORDINATE`].
-fn is_usable(numbers: &[f64]) -> bool {
-    numbers
-        .iter()
-        .all(|number| number.abs() <= LARGEST_COORDINATE)
-}
-
-fn are_usable(numbers: &[f32]) -> bool {
-    numbers
-        .iter()
-        .all(|number| number.abs() <= LARGEST_COORDINATE as f32)
-}
-
-fn finite(
-    is_finite: bool,
-    mesh: Option<usize>,
-    what: impl FnOnce() -> String,
-) -> Result<(), RigError> {
-    if is_finite {
-        Ok(())
-    } else {
-        Err(RigError::NotFinite { what: what(), mesh })
-    }
-}
-
-fn build_skeleton(drafts: Vec<JointDraft>) -> Result<Skeleton, RigError> {
-    let unique_names = names::unique("joint", drafts.iter().map(|joint| joint.name.as_str()));
-    let mut joints = Vec::with_capacity(drafts.len());
-    for (index, (draft, name)) in drafts.into_iter().zip(unique_names).enumerate() {
-        match draft.parent {
-            Some(parent) if parent >= index => {
-                return Err(RigError::ParentNotBefore {
-                    joint: index,
-                    parent,
-                });
-            }
-            None if index > 0 => return Err(RigError::SecondRoot { joint: index }),
-            _ => {}
-        }
-        let corners_finite = draft
-            .bounding_box
-            .is_none_or(|corners| corners.iter().all(|corner| is_usable(&corner.to_array())));
-        finite(
-            is_usable(&draft.offset.to_array())
-                && is_usable(&draft.rest_angles.to_array())
-                && corners_finite,
-            None,
-            || format!("the offset, pose or box of joint `{name}`"),
-        )?;
-        let mut rest_angles = draft.rest_angles;
-        for axis in Axis::ALL {
-            let Limit { min, max } = draft.rotation_limits[axis.index()];
-            finite(!min.is_nan() && !max.is_nan(), None, || {
-                format!("a limit of joint `{name}`")
-            })?;
-            if min > max {
-                return Err(RigError::LimitReversed {
-                    joint: index,
-                    min,
-                    max,
-                });
-            }
-            rest_angles[axis.index()] =
-                draft.rotation_limits[axis.index()].clamp(rest_angles[axis.index()]);
-        }
-        joints.push(Joint {
-            name,
-            parent: draft.parent,
-            offset: draft.offset,
-            rotation_order: draft.rotation_order,
-            rest_angles,
-            rotation_limits: draft.rotation_limits,
-            translates: draft.translates,
-            bounding_box: draft.bounding_box.map(|[a, b]| [a.min(b), a.max(b)]),
-        });
-    }
-    Ok(Skeleton::new(joints))
-}
-
-fn build_bindings(drafts: &[BindingDraft], joint_count: usize) -> Result<Vec<Binding>, RigError> {
-    let build = |(index, draft): (usize, &BindingDraft)| {
-        if let Some(joint) = draft.joint.filter(|&joint| joint >= joint_count) {
-            let (what, target) = ("binding", "joint");
-            return Err(RigError::OutOfRange {
-                mesh: 0,
-                what,
-                index,
-                target,
-                found: joint,
-                count: joint_count,
-            });
-        }
-        finite(
-            is_usable(&draft.bind_from_joint.to_cols_array()),
-            Some(0),
-            || format!("the matrix of binding {index}"),
-        )?;
-        let joint_from_bind = draft.bind_from_joint.inverse();
-        // A nearly singular matrix has an inverse that is only rounding error.
-        if !is_usable(&joint_from_bind.to_cols_array()) {
-            return Err(RigError::SingularBinding { binding: index });
-        }
-        Ok(Binding {
-            joint: draft.joint,
-            joint_from_bind,
-        })
-    };
-    drafts.iter().enumerate().map(build).collect()
-}
-
-struct MeshBuild<'a> {
-    index: usize,
-    mesh: MeshDraft,
-    warnings: &'a mut Warnings,
+pub(super) struct MeshBuild<'a> {
+    pub index: usize,
+    pub mesh: MeshDraft,
+    pub warnings: &'a mut Warnings,
 }
 
 impl MeshBuild<'_> {
-    fn build(
+    pub fn build(
         mut self,
         name: String,
         bindings: &mut Vec<Binding>,
@@ -215,6 +38,8 @@ impl MeshBuild<'_> {
             texcoords: mesh.texcoords,
             influence_starts,
             influences,
+            morph_starts: Vec::new(),
+            morph_displacements: Vec::new(),
             triangles: mesh.triangles,
             draw_triangles,
             material: mesh.material,
@@ -361,10 +186,17 @@ impl MeshBuild<'_> {
             let sum: f64 = of_vertex.iter().map(|(_, weight)| weight).sum();
             if sum > 0.0 && sum.is_finite() {
                 off_sums += usize::from((sum - 1.0).abs() > WEIGHT_SUM_TOLERANCE);
+                let first = influences.len();
                 influences.extend(of_vertex.iter().map(|&(binding, weight)| Influence {
                     binding,
                     weight: (weight / sum) as f32,
                 }));
+                // Blending dual quaternions takes its signs from the first.
+                let joint_of = |influence: &Influence| bindings[influence.binding as usize].joint;
+                influences[first..].sort_by(|a, b| {
+                    let by_weight = b.weight.total_cmp(&a.weight);
+                    by_weight.then_with(|| joint_of(a).cmp(&joint_of(b)))
+                });
             } else {
                 unbound += 1;
                 let binding = *world.get_or_insert_with(|| {

@@ -1,0 +1,104 @@
+//! The one place where a draft is validated. Readers report faults with their line and column; what is checked here again is what
+//! the rest of the program relies on, whoever filled the draft.
+
+mod clip;
+mod mesh;
+mod morph;
+mod skeleton;
+
+use super::{Dofs, Draft, LARGEST_COORDINATE, Rig, RigError, RigId, names};
+use crate::limits::Limits;
+use mesh::MeshBuild;
+
+impl Draft {
+    /// Validates the draft and completes it: names made unique, rest clamped into its limits, weights divided by their sum, normals
+    /// made unit length or computed, triangles wound about their normals.
+    ///
+    /// # Errors
+    /// [`RigError`] names the first thing found wrong, or the ceiling that the rig exceeds.
+    pub fn build(mut self, limits: &Limits) -> Result<Rig, RigError> {
+        if self.joints.is_empty() && self.meshes.is_empty() {
+            return Err(RigError::Empty);
+        }
+        limits.joints(self.joints.len())?;
+        limits.vertices(
+            self.meshes
+                .iter()
+                .map(|mesh| mesh.positions.len())
+                .sum::<usize>(),
+        )?;
+        limits.triangles(
+            self.meshes
+                .iter()
+                .map(|mesh| mesh.triangles.len())
+                .sum::<usize>(),
+        )?;
+        limits.influences(
+            self.meshes
+                .iter()
+                .map(|mesh| mesh.influences.len())
+                .sum::<usize>(),
+        )?;
+
+        let skeleton = skeleton::build(self.joints)?;
+        let mut bindings = skeleton::build_bindings(&self.bindings, skeleton.joints().len())?;
+        let mesh_names = names::unique("mesh", self.meshes.iter().map(|mesh| mesh.name.as_str()));
+        let material_names = names::unique(
+            "material",
+            self.materials.iter().map(|material| material.name.as_str()),
+        );
+        for (material, name) in self.materials.iter_mut().zip(material_names) {
+            material.name = name;
+        }
+        let mut meshes = Vec::with_capacity(self.meshes.len());
+        for (index, (mesh, name)) in self.meshes.into_iter().zip(mesh_names).enumerate() {
+            meshes.push(
+                MeshBuild {
+                    index,
+                    mesh,
+                    warnings: &mut self.warnings,
+                }
+                .build(name, &mut bindings, self.materials.len())?,
+            );
+        }
+        let morphs = morph::build(self.morphs, &mut meshes, limits)?;
+        let dofs = Dofs::of(&skeleton, &morphs);
+        let clips = clip::build(self.clips, &dofs, limits)?;
+        Ok(Rig {
+            id: RigId::next(),
+            dofs,
+            skeleton,
+            meshes,
+            bindings,
+            materials: self.materials,
+            morphs,
+            clips,
+            warnings: self.warnings.into_sentences(),
+        })
+    }
+}
+
+/// Finite, and no larger than [`LARGEST_COORDINATE`].
+fn is_usable(numbers: &[f64]) -> bool {
+    numbers
+        .iter()
+        .all(|number| number.abs() <= LARGEST_COORDINATE)
+}
+
+fn are_usable(numbers: &[f32]) -> bool {
+    numbers
+        .iter()
+        .all(|number| number.abs() <= LARGEST_COORDINATE as f32)
+}
+
+fn finite(
+    is_finite: bool,
+    mesh: Option<usize>,
+    what: impl FnOnce() -> String,
+) -> Result<(), RigError> {
+    if is_finite {
+        Ok(())
+    } else {
+        Err(RigError::NotFinite { what: what(), mesh })
+    }
+}

@@ -1,0 +1,227 @@
+//! Morph targets: from lists of vertices to what each vertex gathers.
+
+use super::{are_usable, finite, is_usable};
+use crate::limits::Limits;
+use crate::rig::{Mesh, Morph, MorphDisplacement, MorphDraft, RigError, names};
+use glam::Vec3;
+
+/// Gives each mesh the displacements of its own targets.
+pub(super) fn build(
+    drafts: Vec<MorphDraft>,
+    meshes: &mut [Mesh],
+    limits: &Limits,
+) -> Result<Vec<Morph>, RigError> {
+    limits.morph_targets(drafts.len())?;
+    let listed = drafts
+        .iter()
+        .map(|morph| morph.positions.len() + morph.normals.len());
+    limits.morph_displacements(listed.sum::<usize>())?;
+    let unique_names = names::unique("morph", drafts.iter().map(|morph| morph.name.as_str()));
+    // Of each mesh: what its vertices gather, not yet in their order.
+    let mut gathered: Vec<Vec<(u32, MorphDisplacement)>> = vec![Vec::new(); meshes.len()];
+    let mut morphs = Vec::with_capacity(drafts.len());
+    for (index, (draft, name)) in drafts.into_iter().zip(unique_names).enumerate() {
+        let Some(mesh) = meshes.get(draft.mesh) else {
+            let (what, target) = ("morph target", "mesh");
+            return Err(RigError::OutOfRange {
+                mesh: 0,
+                what,
+                index,
+                target,
+                found: draft.mesh,
+                count: meshes.len(),
+            });
+        };
+        finite(is_usable(&[draft.rest]), None, || {
+            format!("the weight of morph target `{name}`")
+        })?;
+        let displacements = displacements(index, &draft, mesh)?;
+        finite(
+            displacements.iter().all(|(_, d)| {
+                are_usable(&d.position.to_array()) && are_usable(&d.normal.to_array())
+            }),
+            Some(draft.mesh),
+            || format!("a vertex of morph target `{name}`"),
+        )?;
+        morphs.push(Morph {
+            name,
+            mesh: draft.mesh,
+            vertex_count: displacements.len(),
+            rest: draft.rest,
+        });
+        gathered[draft.mesh].extend(displacements);
+    }
+    for (mesh, mut of_mesh) in meshes.iter_mut().zip(gathered) {
+        if of_mesh.is_empty() {
+            continue;
+        }
+        // Stable: targets stay in load order, so that sums are the same everywhere.
+        of_mesh.sort_by_key(|(vertex, _)| *vertex);
+        let mut starts = vec![0u32; mesh.positions.len() + 1];
+        for (vertex, _) in &of_mesh {
+            starts[*vertex as usize + 1] += 1;
+        }
+        for vertex in 1..starts.len() {
+            starts[vertex] += starts[vertex - 1];
+        }
+        mesh.morph_starts = starts;
+        mesh.morph_displacements = of_mesh
+            .into_iter()
+            .map(|(_, displacement)| displacement)
+            .collect();
+    }
+    Ok(morphs)
+}
+
+/// One of each vertex that the target lists, in the order of vertices.
+fn displacements(
+    morph: usize,
+    draft: &MorphDraft,
+    mesh: &Mesh,
+) -> Result<Vec<(u32, MorphDisplacement)>, RigError> {
+    let positions = ordered(morph, draft.mesh, &draft.positions, &mesh.positions)?;
+    let normals = ordered(morph, draft.mesh, &draft.normals, &mesh.normals)?;
+    let (mut positions, mut normals) = (
+        positions.into_iter().peekable(),
+        normals.into_iter().peekable(),
+    );
+    let mut displacements = Vec::new();
+    loop {
+        let next = [positions.peek(), normals.peek()];
+        let Some(vertex) = next.into_iter().flatten().map(|(vertex, _)| *vertex).min() else {
+            return Ok(displacements);
+        };
+        let take = |listed: &mut std::iter::Peekable<std::vec::IntoIter<(u32, Vec3)>>| {
+            listed
+                .next_if(|(listed, _)| *listed == vertex)
+                .map_or(Vec3::ZERO, |(_, moved)| moved)
+        };
+        let displacement = MorphDisplacement {
+            morph: morph as u32,
+            position: take(&mut positions),
+            normal: take(&mut normals),
+        };
+        displacements.push((vertex, displacement));
+    }
+}
+
+/// By how much each listed vertex differs from the mesh's own, in the order of vertices.
+fn ordered(
+    morph: usize,
+    mesh: usize,
+    listed: &[(u32, Vec3)],
+    own: &[Vec3],
+) -> Result<Vec<(u32, Vec3)>, RigError> {
+    let mut moved = Vec::with_capacity(listed.len());
+    for (index, &(vertex, target)) in listed.iter().enumerate() {
+        let Some(own) = own.get(vertex as usize) else {
+            let (what, target) = ("entry of a morph target,", "vertex");
+            return Err(RigError::OutOfRange {
+                mesh,
+                what,
+                index,
+                target,
+                found: vertex as usize,
+                count: own.len(),
+            });
+        };
+        moved.push((vertex, target - *own));
+    }
+    moved.sort_by_key(|(vertex, _)| *vertex);
+    match moved.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+        Some(pair) => Err(RigError::VertexTwice {
+            morph,
+            vertex: pair[0].0,
+        }),
+        None => Ok(moved),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::{Draft, MeshDraft};
+
+    fn triangle() -> MeshDraft {
+        MeshDraft {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            normals: Some(vec![Vec3::Z; 3]),
+            triangles: vec![[0, 1, 2]],
+            ..MeshDraft::default()
+        }
+    }
+
+    fn built(morphs: Vec<MorphDraft>) -> Result<crate::rig::Rig, RigError> {
+        let meshes = vec![triangle()];
+        Draft {
+            meshes,
+            morphs,
+            ..Draft::default()
+        }
+        .build(&Limits::default())
+    }
+
+    #[test]
+    fn each_vertex_gathers_what_targets_list_of_it() {
+        let first = MorphDraft {
+            positions: vec![(2, Vec3::Y * 3.0), (0, Vec3::Z)],
+            normals: vec![(2, Vec3::X)],
+            ..MorphDraft::default()
+        };
+        let second = MorphDraft {
+            name: "smile".to_owned(),
+            positions: vec![(2, Vec3::ZERO)],
+            ..MorphDraft::default()
+        };
+        let rig = built(vec![first, second]).expect("it is right");
+        let mesh = &rig.meshes()[0];
+        let of = |vertex| -> Vec<_> {
+            let displacements = mesh.morph_displacements_of(vertex).iter();
+            displacements
+                .map(|d| (d.morph, d.position, d.normal))
+                .collect()
+        };
+        assert_eq!(of(0), [(0, Vec3::Z, Vec3::ZERO)]);
+        assert_eq!(of(1), []);
+        let turned = Vec3::X - Vec3::Z;
+        assert_eq!(
+            of(2),
+            [(0, Vec3::Y * 2.0, turned), (1, -Vec3::Y, Vec3::ZERO)]
+        );
+        let names: Vec<_> = rig
+            .dofs()
+            .all()
+            .iter()
+            .map(|dof| dof.name.as_str())
+            .collect();
+        assert_eq!(names, ["morph.morph_0", "morph.smile"]);
+    }
+
+    #[test]
+    fn what_contradicts_the_mesh_is_refused() {
+        let of = |positions, mesh| MorphDraft {
+            positions,
+            mesh,
+            ..MorphDraft::default()
+        };
+        let past_the_end = built(vec![of(vec![(3, Vec3::ZERO)], 0)]);
+        assert!(matches!(
+            past_the_end,
+            Err(RigError::OutOfRange {
+                found: 3,
+                count: 3,
+                ..
+            })
+        ));
+        let twice = built(vec![of(vec![(1, Vec3::ZERO), (1, Vec3::X)], 0)]);
+        assert!(matches!(
+            twice,
+            Err(RigError::VertexTwice {
+                morph: 0,
+                vertex: 1
+            })
+        ));
+        assert!(built(vec![of(Vec::new(), 1)]).is_err());
+        assert!(built(vec![of(vec![(1, Vec3::NAN)], 0)]).is_err());
+    }
+}

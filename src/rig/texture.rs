@@ -1,0 +1,193 @@
+//! Pictures that meshes wear, with their mipmaps: made once at load, so that every renderer samples the same texels.
+//! Never lives here: decoding a file.
+
+use std::sync::LazyLock;
+
+/// A picture and its halvings down to a single texel.
+#[derive(Debug)]
+pub struct Texture {
+    file: String,
+    levels: Vec<TextureLevel>,
+}
+
+/// Opaque texels, rows from the top.
+#[derive(Debug)]
+pub struct TextureLevel {
+    pub width: u32,
+    pub height: u32,
+    /// Red, green, blue in sRGB, and 255.
+    pub texels: Vec<[u8; 4]>,
+}
+
+impl Texture {
+    /// `file` is the name by which the rig's file calls it. Each level has half the sides of the one before, rounded down; its texels
+    /// are the mean, in linear light, of the area that they cover.
+    ///
+    /// # Panics
+    /// Where the level has no texels, or not as many as its sides say.
+    pub fn new(file: String, full: TextureLevel) -> Self {
+        assert!(
+            full.width > 0
+                && full.height > 0
+                && full.texels.len() == full.width as usize * full.height as usize
+        );
+        let mut levels = vec![full];
+        while let Some(next) = levels.last().and_then(TextureLevel::halved) {
+            levels.push(next);
+        }
+        Self { file, levels }
+    }
+
+    /// The name by which the rig's file calls it.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// From the full picture to a single texel.
+    pub fn levels(&self) -> &[TextureLevel] {
+        &self.levels
+    }
+
+    pub(super) fn memory_bytes(&self) -> usize {
+        self.levels
+            .iter()
+            .map(|level| size_of_val(level.texels.as_slice()))
+            .sum()
+    }
+}
+
+impl TextureLevel {
+    fn halved(&self) -> Option<Self> {
+        if (self.width, self.height) == (1, 1) {
+            return None;
+        }
+        let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
+        let (columns, rows) = (shares(self.width, width), shares(self.height, height));
+        let linear = &*LINEAR;
+        let mut texels = Vec::with_capacity(width as usize * height as usize);
+        for row in &rows {
+            for column in &columns {
+                let mut sum = [0.0f32; 3];
+                for &(y, of_row) in row.iter().filter(|(_, share)| *share > 0.0) {
+                    for &(x, of_column) in column.iter().filter(|(_, share)| *share > 0.0) {
+                        let texel = self.texels[y * self.width as usize + x];
+                        for (sum, channel) in sum.iter_mut().zip(texel) {
+                            *sum += of_row * of_column * linear[channel as usize];
+                        }
+                    }
+                }
+                let [r, g, b] = sum.map(srgb);
+                texels.push([r, g, b, 255]);
+            }
+        }
+        Some(Self {
+            width,
+            height,
+            texels,
+        })
+    }
+}
+
+/// Of each of `to` places, up to three of the `from` ones that it covers, and how much of it each one makes up.
+fn shares(from: u32, to: u32) -> Vec<[(usize, f32); 3]> {
+    let scale = f64::from(from) / f64::from(to);
+    let share = |place: u32| {
+        let (start, end) = (f64::from(place) * scale, f64::from(place + 1) * scale);
+        let first = start as usize;
+        [first, first + 1, first + 2].map(|at| {
+            let covered = (end.min(at as f64 + 1.0) - start.max(at as f64)).max(0.0);
+            (at, (covered / scale) as f32)
+        })
+    };
+    (0..to).map(share).collect()
+}
+
+/// sRGB to linear (IEC 61966-2-1).
+static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|encoded| {
+        let encoded = encoded as f64 / 255.0;
+        let linear = if encoded <= 0.04045 {
+            encoded / 12.92
+        } else {
+            libm::pow((encoded + 0.055) / 1.055, 2.4)
+        };
+        linear as f32
+    })
+});
+
+/// The nearest of the 256 values: the middle between two neighbours is where one gives way to the next.
+fn srgb(linear: f32) -> u8 {
+    static MIDDLES: LazyLock<[f32; 255]> = LazyLock::new(|| {
+        std::array::from_fn(|below| {
+            let middle = (below as f64 + 0.5) / 255.0;
+            let linear = if middle <= 0.04045 {
+                middle / 12.92
+            } else {
+                libm::pow((middle + 0.055) / 1.055, 2.4)
+            };
+            linear as f32
+        })
+    });
+    MIDDLES.partition_point(|middle| *middle <= linear) as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texture(width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 3]) -> Texture {
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let texels = places
+            .map(|(x, y)| {
+                let [r, g, b] = texel(x, y);
+                [r, g, b, 255]
+            })
+            .collect();
+        Texture::new(
+            "t.png".to_owned(),
+            TextureLevel {
+                width,
+                height,
+                texels,
+            },
+        )
+    }
+
+    #[test]
+    fn every_side_is_halved_until_one_texel_is_left() {
+        let sides: Vec<_> = texture(13, 4, |_, _| [9, 99, 199])
+            .levels
+            .iter()
+            .map(|l| (l.width, l.height))
+            .collect();
+        assert_eq!(sides, [(13, 4), (6, 2), (3, 1), (1, 1)]);
+    }
+
+    #[test]
+    fn a_plain_color_stays_itself_on_every_level() {
+        for value in 0..=255u8 {
+            for level in texture(7, 5, |_, _| [value, 255 - value, 128]).levels {
+                assert!(
+                    level
+                        .texels
+                        .iter()
+                        .all(|texel| *texel == [value, 255 - value, 128, 255])
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn black_and_white_mix_in_linear_light() {
+        let checkered = texture(4, 4, |x, y| [if (x + y) % 2 == 0 { 255 } else { 0 }; 3]);
+        // Half the light is 188 in sRGB, not 128.
+        assert_eq!(checkered.levels[1].texels, [[188, 188, 188, 255]; 4]);
+    }
+
+    #[test]
+    fn an_odd_side_is_covered_evenly() {
+        // Three columns, one of them white, in one: a third of the light.
+        let third = texture(3, 1, |x, _| [if x == 1 { 255 } else { 0 }; 3]).levels[1].texels[0][0];
+        assert_eq!(third, 156);
+    }
+}
