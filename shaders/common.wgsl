@@ -19,6 +19,8 @@ struct View {
     specular: vec3<f32>,
     // Smallest squared distance that an inverse-square light is divided by.
     least_distance_squared: f32,
+    // What textures are multiplied by.
+    textured_diffuse: vec3<f32>,
     lights: array<Light, 16>,
 }
 

@@ -8,11 +8,12 @@
 //! | [`cli`] | [`server`] [`service`] [`engine`] [`client`] [`protocol`] [`formats`] [`limits`] | `serve`, `render`, `inspect`, `call`, `doctor`, `openrpc` |
 //! | [`server`] | [`service`] [`limits`] | listener, connections, bounded lines, shutdown; knows no method |
 //! | [`client`] | [`protocol`] | a typed blocking client |
-//! | [`service`] | [`protocol`] [`engine`] [`rig`] [`formats`] [`scene`] [`pose`] [`frame`] [`encode`] [`limits`] | a line in, a line out; one file for each family of methods |
-//! | [`engine`] | [`rig`] [`formats`] [`pose`] [`scene`] [`frame`] [`render`] [`encode`] [`limits`] | the use-cases in plain types; the store of rigs; the one thread that owns the renderer |
+//! | [`service`] | [`protocol`] [`engine`] [`rig`] [`formats`] [`scene`] [`pose`] [`pick`] [`frame`] [`encode`] [`limits`] | a line in, a line out; one file for each family of methods |
+//! | [`engine`] | [`rig`] [`formats`] [`pose`] [`pick`] [`scene`] [`frame`] [`render`] [`encode`] [`limits`] | the use-cases in plain types; the store of rigs; the one thread that owns the renderer |
 //! | [`render`] | [`rig`] [`pose`] [`scene`] [`frame`] [`limits`] | a plan and two renderers of it, [`render::gpu`] and [`render::cpu`], which never name each other |
 //! | [`encode`] | [`frame`] | from frames to PNG, and the threads that do it |
 //! | [`formats`] | [`rig`] [`limits`] | files to rigs, and where files come from |
+//! | [`pick`] | [`rig`] [`pose`] [`scene`] [`frame`] | rays against bones and skin |
 //! | [`pose`] | [`rig`] | joint angles, limits, forward kinematics, the skinning palette |
 //! | [`frame`] | [`scene`] | what came out of a renderer |
 //! | [`scene`] | [`limits`] | what to draw: cameras, lights, surfaces |
@@ -56,6 +57,7 @@ pub mod engine;
 pub mod formats;
 pub mod frame;
 pub mod limits;
+pub mod pick;
 pub mod pose;
 pub mod protocol;
 pub mod render;

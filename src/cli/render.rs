@@ -63,6 +63,9 @@ enum Skin {
 enum Skeleton {
     None,
     Wireframe,
+    Boxes,
+    Sticks,
+    Cylinders,
 }
 
 pub(super) fn run(args: &RenderArgs) -> anyhow::Result<()> {
@@ -123,6 +126,9 @@ impl RenderArgs {
             skeleton: match self.skeleton {
                 Skeleton::None => wire::ShowSkeleton::None,
                 Skeleton::Wireframe => wire::ShowSkeleton::Wireframe,
+                Skeleton::Boxes => wire::ShowSkeleton::Boxes,
+                Skeleton::Sticks => wire::ShowSkeleton::Sticks,
+                Skeleton::Cylinders => wire::ShowSkeleton::Cylinders,
             },
             skin_opacity: self.skin_opacity,
             normals: if self.flat {

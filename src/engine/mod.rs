@@ -15,10 +15,11 @@ use crate::encode::Pool;
 use crate::formats::{self, FileRef, Source};
 use crate::frame::{Frame, SkinnedVertices};
 use crate::limits::Limits;
-use crate::pose::{Clamped, Pose, PoseEdit, Posed};
+use crate::pick::{self, Hit, Targets};
+use crate::pose::{Clamped, Pose, PoseEdit, Posed, Skinning};
 use crate::render::gpu::Capabilities;
 use crate::render::{Outputs, Plan};
-use crate::scene::{Scene, Shape, VertexQuery};
+use crate::scene::{BoneRadius, Ray, Scene, Shape, VertexQuery};
 use std::sync::Arc;
 use store::Store;
 use worker::{Job, Worker};
@@ -29,6 +30,17 @@ pub struct RendererChoice {
     pub adapter: AdapterChoice,
     /// Refuse drivers that draw on the CPU.
     pub require_gpu: bool,
+}
+
+/// What a ray is asked to meet.
+#[derive(Debug, Clone, Copy)]
+pub struct PickQuery {
+    pub ray: Ray,
+    pub bones: bool,
+    /// `None` leaves each bone as thick as it is drawn.
+    pub bone_radius: Option<BoneRadius>,
+    /// The form of the skin that can be met, if any of it can.
+    pub skin: Option<Shape>,
 }
 
 /// On what terms a job is taken on.
@@ -193,11 +205,12 @@ impl Engine {
         &self,
         loaded: &LoadedRig,
         posed: Arc<Posed>,
+        skinning: Skinning,
         scene: Scene,
         terms: Terms,
         done: impl FnOnce(Result<(Frame, Timings), EngineError>) + Send + 'static,
     ) {
-        let plan = Plan::picture(posed, scene, loaded.rest_bounds.size());
+        let plan = Plan::picture(posed, skinning, scene, loaded.rest_bounds.size());
         self.run(plan, terms, move |result| {
             done(result.and_then(|(outputs, timings)| match outputs {
                 Outputs::Picture(frame) => Ok((frame, timings)),
@@ -210,19 +223,73 @@ impl Engine {
     pub fn vertices(
         &self,
         posed: Arc<Posed>,
+        skinning: Skinning,
         shape: Shape,
         queries: Vec<VertexQuery>,
         terms: Terms,
         done: impl FnOnce(Result<(Vec<SkinnedVertices>, Timings), EngineError>) + Send + 'static,
     ) {
         self.run(
-            Plan::vertices(posed, shape, queries),
+            Plan::vertices(posed, skinning, shape, queries),
             terms,
             move |result| {
                 done(result.and_then(|(outputs, timings)| match outputs {
                     Outputs::Vertices(vertices) => Ok((vertices, timings)),
                     Outputs::Picture(_) => Err(EngineError::mismatched()),
                 }));
+            },
+        );
+    }
+
+    /// Looks for what a ray meets first in `posed`. `done` as for [`Engine::render`], though where no skin is asked for it runs at once.
+    pub fn pick(
+        &self,
+        posed: Arc<Posed>,
+        skinning: Skinning,
+        query: PickQuery,
+        terms: Terms,
+        done: impl FnOnce(Result<(Option<Hit>, Timings), EngineError>) + Send + 'static,
+    ) {
+        let rig = Arc::clone(posed.rig());
+        let PickQuery {
+            ray,
+            bones,
+            bone_radius,
+            skin,
+        } = query;
+        let pick = move |posed: &Posed, meshes: Option<&[SkinnedVertices]>| {
+            let targets = Targets {
+                bones: bones.then_some(pick::Bones {
+                    posed,
+                    radius: bone_radius,
+                }),
+                skin: meshes.map(|meshes| pick::Skin {
+                    rig: posed.rig(),
+                    meshes,
+                }),
+            };
+            pick::pick(&ray, &targets)
+        };
+        let Some(shape) = skin else {
+            return done(Ok((pick(&posed, None), Timings::default())));
+        };
+        let queries = rig.meshes().iter().enumerate();
+        let queries = queries.map(|(mesh, of_mesh)| VertexQuery {
+            mesh,
+            start: 0,
+            count: of_mesh.vertex_count(),
+            positions: true,
+            normals: true,
+        });
+        let looked_at = Arc::clone(&posed);
+        self.vertices(
+            posed,
+            skinning,
+            shape,
+            queries.collect(),
+            terms,
+            move |result| {
+                done(result.map(|(meshes, timings)| (pick(&looked_at, Some(&meshes)), timings)));
             },
         );
     }

@@ -3,7 +3,7 @@
 use super::EngineError;
 use crate::formats::Loaded;
 use crate::limits::Limits;
-use crate::pose::{Clamped, Palette, Pose, Posed};
+use crate::pose::{Clamped, Pose, Posed, Skinning};
 use crate::render::cpu;
 use crate::rig::Rig;
 use crate::scene::Bounds;
@@ -211,12 +211,13 @@ fn find(entries: &BTreeMap<String, Entry>, rig: &str) -> Result<(String, RigRef)
 
 /// Of skinned vertices and joints. A rig without either is a point at the origin.
 fn bounds_of(posed: &Posed) -> Bounds {
-    let palette: &Palette = posed.palette();
+    // Rest is all but rigid, so either way of skinning has the same bounds.
+    let palette = posed.palette(Skinning::Linear);
     let vertices = posed
         .rig()
         .meshes()
         .iter()
-        .flat_map(|mesh| cpu::skin_mesh(mesh, palette));
+        .flat_map(|mesh| cpu::skin_mesh(mesh, &palette, posed.morph_weights()));
     let joints = posed
         .world_from_joint()
         .iter()

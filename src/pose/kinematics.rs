@@ -1,66 +1,50 @@
-//! Forward kinematics and the skinning palette: f64 throughout, rounded once at the end.
+//! Forward kinematics: f64 throughout, rounded once when a palette is made.
 
-use super::Pose;
+use super::{Palette, Pose, Skinning};
 use crate::rig::{Binding, Rig};
-use glam::{DAffine3, DVec3, Vec4};
+use glam::{DAffine3, DVec3};
 use std::sync::Arc;
-
-/// One skinning matrix `model_from_bind`, as the three rows of an affine matrix that a shader multiplies column vectors by.
-#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub struct SkinMatrix {
-    pub rows: [Vec4; 3],
-}
-
-impl SkinMatrix {
-    pub const IDENTITY: Self = Self {
-        rows: [Vec4::X, Vec4::Y, Vec4::Z],
-    };
-
-    fn rounded(model_from_bind: DAffine3) -> Self {
-        let DAffine3 {
-            matrix3,
-            translation,
-        } = model_from_bind;
-        let row = |i: usize| matrix3.row(i).extend(translation[i]).as_vec4();
-        Self {
-            rows: [row(0), row(1), row(2)],
-        }
-    }
-}
-
-/// One [`SkinMatrix`] per binding, in the order of [`Rig::bindings`]. Finite, and so small that no vertex can overflow.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Palette(Vec<SkinMatrix>);
-
-impl Palette {
-    pub fn matrices(&self) -> &[SkinMatrix] {
-        &self.0
-    }
-
-    /// Leaves every vertex where it was modelled.
-    pub fn bind(rig: &Rig) -> Self {
-        Self(vec![SkinMatrix::IDENTITY; rig.bindings().len()])
-    }
-}
 
 /// A pose worked out: what skinning and drawing need, of one rig, unable to be wrong any more.
 #[derive(Debug)]
 pub struct Posed {
     rig: Arc<Rig>,
     world_from_joint: Vec<DAffine3>,
-    palette: Palette,
+    /// One per binding.
+    model_from_bind: Vec<DAffine3>,
+    morph_weights: Vec<f32>,
 }
+
+/// What stands between a joint and one of its children.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bone {
+    /// The joint that turns it.
+    pub owner: usize,
+    pub child: usize,
+    /// Where the owner is, in world space.
+    pub from: DVec3,
+    /// Where the child is, in world space; never equal to `from`.
+    pub to: DVec3,
+    /// In the rig's units.
+    pub radius: f64,
+}
+
+/// Largest radius of a bone to its own length: short ones would look like coins.
+const LARGEST_RADIUS_SHARE: f64 = 0.2;
 
 /// A pose that flings a rig further than numbers reach.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("the pose moves joint `{joint}` by more than {LARGEST_MOVE:e} units")]
-pub struct PoseOutOfRange {
-    pub joint: String,
+pub enum PoseOutOfRange {
+    #[error("the pose moves joint `{joint}` by more than {LARGEST_MOVE:e} units")]
+    Joint { joint: String },
+    #[error("the weight of morph target `{morph}` is beyond ±{LARGEST_WEIGHT:e}")]
+    Morph { morph: String },
 }
 
 /// Coordinates of a rig stay below [`LARGEST_COORDINATE`](crate::rig::LARGEST_COORDINATE), so a vertex moved by this stays far inside float32.
 const LARGEST_MOVE: f64 = 1e18;
+/// As many targets as there may be, each at this weight, keep a vertex as far inside.
+const LARGEST_WEIGHT: f64 = 1e6;
 
 impl Posed {
     /// Each joint: `world_from_joint = world_from_parent * T(offset + displacement) * R`; each binding:
@@ -80,30 +64,32 @@ impl Posed {
                 .map_or(DAffine3::IDENTITY, |parent| world_from_joint[parent]);
             let placed = world_from_parent * parent_from_joint;
             if !is_small(placed) {
-                return Err(PoseOutOfRange {
+                return Err(PoseOutOfRange::Joint {
                     joint: joint.name.clone(),
                 });
             }
             world_from_joint.push(placed);
         }
-        let mut palette = Vec::with_capacity(rig.bindings().len());
+        let mut model_from_bind = Vec::with_capacity(rig.bindings().len());
         for &Binding {
             joint,
             joint_from_bind,
         } in rig.bindings()
         {
-            let model_from_bind = joint.map_or(joint_from_bind, |joint| {
+            let moved = joint.map_or(joint_from_bind, |joint| {
                 world_from_joint[joint] * joint_from_bind
             });
-            if !is_small(model_from_bind) {
+            if !is_small(moved) {
                 let joint = joint.map_or_else(String::new, |joint| joints[joint].name.clone());
-                return Err(PoseOutOfRange { joint });
+                return Err(PoseOutOfRange::Joint { joint });
             }
-            palette.push(SkinMatrix::rounded(model_from_bind));
+            model_from_bind.push(moved);
         }
+        let morph_weights = morph_weights(pose)?;
         Ok(Self {
             world_from_joint,
-            palette: Palette(palette),
+            model_from_bind,
+            morph_weights,
             rig,
         })
     }
@@ -117,22 +103,51 @@ impl Posed {
         &self.world_from_joint
     }
 
-    pub fn palette(&self) -> &Palette {
-        &self.palette
+    pub fn palette(&self, skinning: Skinning) -> Palette {
+        Palette::rounded(&self.model_from_bind, skinning)
     }
 
-    /// The bones: from each joint to each of its children at non-zero distance, as `(owner, from, to)` in world space.
-    pub fn bones(&self) -> impl Iterator<Item = (usize, DVec3, DVec3)> {
+    /// One per morph target of the rig.
+    pub fn morph_weights(&self) -> &[f32] {
+        &self.morph_weights
+    }
+
+    /// The bones: from each joint to each of its children at non-zero distance, as thick as
+    /// [`Skeleton::bone_radius`](crate::rig::Skeleton::bone_radius) says, but never more than a fifth of their own length in radius.
+    pub fn bones(&self) -> impl Iterator<Item = Bone> {
         let origin = |joint: usize| self.world_from_joint[joint].translation;
-        let joints = self.rig.skeleton().joints().iter().enumerate();
+        let skeleton = self.rig.skeleton();
+        // Where all joints coincide at rest, a bone can still be pulled out of them.
+        let rest_radius = skeleton.bone_radius().unwrap_or(f64::INFINITY);
+        let joints = skeleton.joints().iter().enumerate();
         joints
             .filter_map(move |(child, joint)| {
-                joint
-                    .parent
-                    .map(|parent| (parent, origin(parent), origin(child)))
+                let owner = joint.parent?;
+                let (from, to) = (origin(owner), origin(child));
+                Some(Bone {
+                    owner,
+                    child,
+                    from,
+                    to,
+                    radius: rest_radius.min(from.distance(to) * LARGEST_RADIUS_SHARE),
+                })
             })
-            .filter(|(_, from, to)| from != to)
+            .filter(|bone| bone.from != bone.to)
     }
+}
+
+fn morph_weights(pose: &Pose) -> Result<Vec<f32>, PoseOutOfRange> {
+    let morphs = pose.rig().morphs();
+    let mut weights = Vec::with_capacity(morphs.len());
+    for (morph, &weight) in morphs.iter().zip(&pose.morph_weights) {
+        // Also false for what is not a number.
+        if !(weight.abs() <= LARGEST_WEIGHT) {
+            let morph = morph.name.clone();
+            return Err(PoseOutOfRange::Morph { morph });
+        }
+        weights.push(weight as f32);
+    }
+    Ok(weights)
 }
 
 fn is_small(affine: DAffine3) -> bool {
@@ -140,4 +155,76 @@ fn is_small(affine: DAffine3) -> bool {
         .to_cols_array()
         .iter()
         .all(|number| number.abs() <= LARGEST_MOVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::limits::Limits;
+    use crate::pose::PoseEdit;
+    use crate::rig::{Draft, JointDraft, Limit, RotationOrder};
+
+    fn posed(parents_and_offsets: &[(Option<usize>, DVec3)], dofs: Vec<(usize, f64)>) -> Posed {
+        let joint = |&(parent, offset): &(Option<usize>, DVec3)| JointDraft {
+            name: String::new(),
+            parent,
+            offset,
+            rotation_order: RotationOrder::Zyx,
+            rest_angles: DVec3::ZERO,
+            rotation_limits: [Limit::NONE; 3],
+            translates: true,
+            bounding_box: None,
+        };
+        let rig = Draft {
+            joints: parents_and_offsets.iter().map(joint).collect(),
+            ..Draft::default()
+        };
+        let rig = rig.build(&Limits::default()).expect("a valid draft");
+        let edit = PoseEdit {
+            dofs,
+            ..PoseEdit::default()
+        };
+        let (pose, _) = Pose::rest(&Arc::new(rig)).edited(&edit).expect("no limits");
+        Posed::new(&pose).expect("within range")
+    }
+
+    #[test]
+    fn bones_name_both_ends_and_short_ones_are_thin() {
+        // hip (0) - knee (1) - twist (2), where the knee is - toe (3), close by
+        let joints = [
+            (None, DVec3::X),
+            (Some(0), DVec3::NEG_Y * 4.0),
+            (Some(1), DVec3::ZERO),
+            (Some(2), DVec3::Z * 0.5),
+            (Some(0), DVec3::Y * 3.0),
+        ];
+        let bone = |owner, child, from, to, radius| Bone {
+            owner,
+            child,
+            from,
+            to,
+            radius,
+        };
+        let knee = DVec3::new(1.0, -4.0, 0.0);
+        let toe = DVec3::new(1.0, -4.0, 0.5);
+        let found: Vec<Bone> = posed(&joints, Vec::new()).bones().collect();
+        // The median is 3, a fifth of the toe's bone is 0.1.
+        let radius = 3.0 * 0.1;
+        let wanted = [
+            bone(0, 1, DVec3::X, knee, radius),
+            bone(2, 3, knee, toe, 0.1),
+            bone(0, 4, DVec3::X, DVec3::new(1.0, 3.0, 0.0), radius),
+        ];
+        assert_eq!(found, wanted);
+    }
+
+    #[test]
+    fn a_bone_pulled_out_of_a_point_has_a_thickness() {
+        let joints = [(None, DVec3::ZERO), (Some(0), DVec3::ZERO)];
+        assert_eq!(posed(&joints, Vec::new()).bones().count(), 0);
+        // Six DOFs of the root, then `joint_1.tx`.
+        let bones: Vec<Bone> = posed(&joints, vec![(6, 2.0)]).bones().collect();
+        assert_eq!(bones.len(), 1);
+        assert_eq!(bones[0].radius, 0.4);
+    }
 }

@@ -3,8 +3,12 @@
 
 mod euler;
 mod kinematics;
+mod palette;
+mod turn;
 
-pub use kinematics::{Palette, PoseOutOfRange, Posed, SkinMatrix};
+pub use kinematics::{Bone, PoseOutOfRange, Posed};
+pub use palette::{Palette, SkinDualQuaternion, SkinMatrix, Skinning};
+pub use turn::Space;
 
 use crate::rig::{Axis, Dof, DofKind, Joint, Rig};
 use euler::Fit;
@@ -65,9 +69,19 @@ pub enum LimitPolicy {
     Ignore,
 }
 
-/// Changes to a [`Pose`]: rotations first, then DOFs. Numbers are finite, quaternions of unit length, indices in range.
+/// An animation at one moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClipAt {
+    /// Index into the rig's clips.
+    pub clip: usize,
+    /// In seconds.
+    pub time: f64,
+}
+
+/// Changes to a [`Pose`]: the clip first, then rotations, then DOFs. Numbers are finite, quaternions of unit length, indices in range.
 #[derive(Debug, Clone, Default)]
 pub struct PoseEdit {
+    pub clip: Option<ClipAt>,
     /// `(joint, local rotation)`
     pub rotations: Vec<(usize, DQuat)>,
     /// `(index into the rig's DOFs, value)`
@@ -151,19 +165,36 @@ impl Pose {
     pub fn edited(&self, edit: &PoseEdit) -> Result<(Self, Vec<Clamped>), OutsideLimits> {
         let mut next = self.clone();
         let mut clamped = Vec::new();
+        if let Some(ClipAt { clip, time }) = edit.clip {
+            for channel in &self.rig.clips()[clip].channels {
+                let asked = channel.curve.at(time);
+                next.set_limited(channel.dof, asked, edit.limits, &mut clamped)?;
+            }
+        }
         for &(joint, quaternion) in &edit.rotations {
             next.set_rotation(joint, quaternion, edit.limits, &mut clamped)?;
         }
         for &(dof, asked) in &edit.dofs {
-            let limit = next.rig.dofs().all()[dof].limit;
-            let mut used = asked;
-            if edit.limits != LimitPolicy::Ignore && !limit.contains(asked) {
-                used = limit.clamp(asked);
-                next.note(Clamped { dof, asked, used }, edit.limits, &mut clamped)?;
-            }
-            next.set_dof(dof, used);
+            next.set_limited(dof, asked, edit.limits, &mut clamped)?;
         }
         Ok((next, clamped))
+    }
+
+    fn set_limited(
+        &mut self,
+        dof: usize,
+        asked: f64,
+        policy: LimitPolicy,
+        clamped: &mut Vec<Clamped>,
+    ) -> Result<(), OutsideLimits> {
+        let limit = self.rig.dofs().all()[dof].limit;
+        let mut used = asked;
+        if policy != LimitPolicy::Ignore && !limit.contains(asked) {
+            used = limit.clamp(asked);
+            self.note(Clamped { dof, asked, used }, policy, clamped)?;
+        }
+        self.set_dof(dof, used);
+        Ok(())
     }
 
     fn set_dof(&mut self, dof: usize, value: f64) {

@@ -10,49 +10,62 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// Asks for a picture of a rig. Colors are linear RGB from 0 to 1.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct FrameParams {
-    /// Name or digest of a loaded rig.
-    pub rig: String,
-    /// A pose for this request alone. Without it, as if it were `{}`.
-    #[serde(default)]
-    pub pose: Pose,
-    #[serde(default)]
-    pub skinning: Skinning,
-    #[serde(default)]
-    pub show: Show,
-    #[serde(default)]
-    pub camera: Camera,
-    /// At most 16. Without it, a warm key light and a cool fill; an empty list leaves the ambient light alone.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lights: Option<Vec<Light>>,
-    /// Light from everywhere. Without it, just enough to see into the shadows.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ambient: Option<[f64; 3]>,
-    #[serde(default)]
-    pub material: Material,
-    /// What stands behind the rig, with straight alpha. Without it, an opaque dark slate.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub background: Option<[f64; 4]>,
-    #[serde(default)]
-    pub cull: Cull,
-    /// Width and height in pixels.
-    #[serde(default = "default_size")]
-    pub size: [u32; 2],
-    #[serde(default)]
-    pub samples: Samples,
-    /// Which pictures to send.
-    #[serde(default = "color_alone")]
-    pub outputs: Vec<Output>,
-    #[serde(default)]
-    pub image: ImageFormat,
-    /// How hard to compress a PNG.
-    #[serde(default)]
-    pub compression: Compression,
-    #[serde(default)]
-    pub transport: PictureTransport,
+/// A type with the fields of a frame request and some more: serde's `flatten` would let unknown fields through.
+macro_rules! frame_request {
+    ($(#[$doc:meta])* $name:ident { $($(#[$field_doc:meta])* $field:ident: $type:ty,)* }) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name {
+            /// Name or digest of a loaded rig.
+            pub rig: String,
+            /// A pose for this request alone. Without it, as if it were `{}`.
+            #[serde(default)]
+            pub pose: Pose,
+            #[serde(default)]
+            pub skinning: Skinning,
+            #[serde(default)]
+            pub show: Show,
+            #[serde(default)]
+            pub camera: Camera,
+            /// At most 16. Without it, a warm key light and a cool fill; an empty list leaves the ambient light alone.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub lights: Option<Vec<Light>>,
+            /// Light from everywhere. Without it, just enough to see into the shadows.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub ambient: Option<[f64; 3]>,
+            #[serde(default)]
+            pub material: Material,
+            /// What stands behind the rig, with straight alpha. Without it, an opaque dark slate.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub background: Option<[f64; 4]>,
+            #[serde(default)]
+            pub cull: Cull,
+            /// Width and height in pixels.
+            #[serde(default = "crate::protocol::frame::default_size")]
+            pub size: [u32; 2],
+            #[serde(default)]
+            pub samples: Samples,
+            /// Which pictures to send.
+            #[serde(default = "crate::protocol::frame::color_alone")]
+            pub outputs: Vec<Output>,
+            #[serde(default)]
+            pub image: ImageFormat,
+            /// How hard to compress a PNG.
+            #[serde(default)]
+            pub compression: Compression,
+            #[serde(default)]
+            pub transport: PictureTransport,
+            $($(#[$field_doc])* pub $field: $type,)*
+        }
+    };
+}
+
+pub(super) use frame_request;
+
+frame_request! {
+    /// Asks for a picture of a rig. Colors are linear RGB from 0 to 1.
+    FrameParams {}
 }
 
 impl FrameParams {
@@ -79,11 +92,11 @@ impl FrameParams {
     }
 }
 
-fn default_size() -> [u32; 2] {
+pub(super) fn default_size() -> [u32; 2] {
     [512, 512]
 }
 
-fn color_alone() -> Vec<Output> {
+pub(super) fn color_alone() -> Vec<Output> {
     vec![Output::Color]
 }
 
@@ -102,6 +115,9 @@ words! {
         /// Their matrices are averaged by weight.
         #[default]
         Linear,
+        /// Their rigid motions are averaged as dual quaternions, which keeps the volume where joints twist or bend far; scale and shear are
+        /// averaged as matrices first.
+        DualQuaternion,
     }
 
     /// How the skin is shown.
@@ -122,6 +138,12 @@ words! {
         None,
         /// A line along each bone and a dot at each joint, of constant width in pixels.
         Wireframe,
+        /// Each joint's own box, lit.
+        Boxes,
+        /// A ball at each joint, and a box along each bone that grows thinner, lit.
+        Sticks,
+        /// A six-sided cylinder along each bone, lit.
+        Cylinders,
     }
 
     /// Which normals light the skin.
@@ -192,7 +214,7 @@ impl Default for Show {
     }
 }
 
-/// The surface of everything drawn (Blinn-Phong). What is left out is a warm grey with a slight gloss.
+/// The surface of the skin (Blinn-Phong). What is left out is a warm grey with a slight gloss, and white under a texture.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Material {

@@ -3,7 +3,7 @@
 
 use super::error::{Fault, Kind};
 use super::parse::{nearest, shortened};
-use super::{Done, NoParams, frame, mesh, pose, rig, server};
+use super::{Done, NoParams, frame, mesh, pick, pose, rig, server};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use std::borrow::Cow;
 
@@ -73,6 +73,10 @@ methods! {
     PoseSet "pose.set" pose::PoseSetParams => pose::PoseSetResult, [Kind::RigNotLoaded];
     /// Sets every degree of freedom of the stored pose back to the file's own value.
     PoseReset "pose.reset" rig::RigParams => Done, [Kind::RigNotLoaded];
+    /// Turns a joint further about an axis. Its children go with it.
+    PoseRotate "pose.rotate" pose::RotateParams => pose::PoseSetResult, [Kind::RigNotLoaded];
+    /// Turns a joint further about its own bone.
+    PoseRoll "pose.roll" pose::RollParams => pose::PoseSetResult, [Kind::RigNotLoaded];
     /// Draws a rig.
     FrameRender "frame.render" frame::FrameParams => frame::Frame, [
         Kind::RigNotLoaded, Kind::LimitExceeded, Kind::DeviceLost,
@@ -84,6 +88,10 @@ methods! {
     /// Gives triangles and texture coordinates, which stay the same in every pose.
     MeshTopology "mesh.topology" mesh::TopologyParams => mesh::Topology, [
         Kind::RigNotLoaded, Kind::LimitExceeded,
+    ];
+    /// Tells what a picture would show at one of its pixels.
+    ScenePick "scene.pick" pick::PickParams => pick::Picked, [
+        Kind::RigNotLoaded, Kind::LimitExceeded, Kind::DeviceLost,
     ];
     /// Tells where the joints are in world space.
     JointTransforms "joint.transforms" pose::TransformsParams => pose::Transforms, [Kind::RigNotLoaded];

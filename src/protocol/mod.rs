@@ -21,6 +21,7 @@ pub mod mesh;
 mod methods;
 mod openrpc;
 mod parse;
+pub mod pick;
 pub mod pose;
 pub mod rig;
 pub mod server;

@@ -9,13 +9,16 @@ use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// A pose, built up in steps: `base`, then `rotations`, then `dofs` or `dof_values`, then `limits`.
+/// A pose, built up in steps: `base`, then `clip`, then `rotations`, then `dofs` or `dof_values`; `limits` holds for each.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pose {
     /// What to start from. Without it, the stored pose where the rig is named, and the rest pose where it is given by digest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base: Option<PoseBase>,
+    /// An animation at one moment: sets every degree of freedom that it has a channel for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clip: Option<ClipAt>,
     /// Local rotations by the joint's name: unit quaternions `[x, y, z, w]`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub rotations: BTreeMap<String, [f64; 4]>,
@@ -28,6 +31,16 @@ pub struct Pose {
     /// What becomes of a value past its limits.
     #[serde(default)]
     pub limits: LimitPolicy,
+}
+
+/// An animation at one moment.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ClipAt {
+    /// As `rig.describe` has it.
+    pub name: String,
+    /// In seconds; any time, also outside of the clip's range.
+    pub time: f64,
 }
 
 /// What a pose starts from.
@@ -117,6 +130,50 @@ pub struct PoseSetParams {
 pub struct PoseSetResult {
     /// Values that their limits changed.
     pub clamped: Vec<Clamped>,
+}
+
+/// Turns a joint further, whatever its stored rotation. Its children go with it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RotateParams {
+    /// Name or digest of a loaded rig.
+    pub rig: String,
+    pub joint: String,
+    /// A direction of any length.
+    pub axis: [f64; 3],
+    /// Radians, by the right-hand rule.
+    pub angle: f64,
+    /// What the axis is given in.
+    #[serde(default)]
+    pub space: AxisSpace,
+    /// What becomes of an angle past its limits.
+    #[serde(default)]
+    pub limits: LimitPolicy,
+}
+
+/// What an axis is given in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AxisSpace {
+    /// The joint's own frame, as it is turned now.
+    #[default]
+    Joint,
+    /// World space.
+    World,
+}
+
+/// Turns a joint about its own bone: the line to its first child at a distance, else on from its parent.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RollParams {
+    /// Name or digest of a loaded rig.
+    pub rig: String,
+    pub joint: String,
+    /// Radians, by the right-hand rule about the bone's direction.
+    pub angle: f64,
+    /// What becomes of an angle past its limits.
+    #[serde(default)]
+    pub limits: LimitPolicy,
 }
 
 /// A value that its limits changed.

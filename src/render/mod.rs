@@ -5,6 +5,10 @@ pub mod cpu;
 pub mod gpu;
 mod outputs;
 mod plan;
+mod skeleton;
+mod solids;
 
 pub use outputs::{Outputs, RenderError};
-pub use plan::{Instance, Picture, Plan, Segment, Wanted};
+pub use plan::{Instance, Picture, Plan, Wanted};
+pub use skeleton::{Segment, SkeletonView};
+pub use solids::{Solid, SolidMesh, SolidShape, Solids};

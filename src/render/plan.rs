@@ -1,24 +1,28 @@
 //! What to skin and draw, as data that both renderers read. The rules that both must follow stand here, once.
 //!
 //! # The contract of a picture
-//! 1. **Skin**: per vertex, `M = Σ weight · model_from_bind`; position `M · p`; normal `normalize(cofactor(M) · n)`, or the bind
-//!    normal where that is zero. The cofactor matrix has the cross products of `M`'s columns as its columns, which is right under
-//!    any scale, and turns normals over with the winding where `M` mirrors.
+//! 1. **Skin**, per vertex, in bind space first: `p = position + Σ morph weight · displacement`, `n` likewise and brought back to unit
+//!    length; targets in load order. Then linearly: `M = Σ weight · model_from_bind`; position `M · p`; normal `normalize(cofactor(M) · n)`.
+//!    Or with dual quaternions, where each `model_from_bind` is a rigid motion after a stretch: `S = Σ weight · stretch`; the motions
+//!    are averaged as dual quaternions whose signs agree with that of the vertex' first influence, and made unit; position
+//!    `motion(S · p)`; normal `rotation(normalize(cofactor(S) · n))`. A normal that comes to nothing is the one before. The cofactor
+//!    matrix has the cross products of the columns as its columns, which is right under any scale, and turns normals over with the
+//!    winding where the matrix mirrors.
 //! 2. **Raster**: standard 4-sample positions, or the pixel's center; depth is reversed and the nearest wins; nothing is culled.
 //! 3. **Shade**, per pixel and triangle, in world space and linear RGB, at the pixel's center, or at a place the triangle covers where it
 //!    does not cover that; `n` flipped toward the side that is seen:
 //!    `ambient · diffuse + Σ radiance · (diffuse · max(n·l, 0) + [n·l > 0] · specular · max(n·h, 0)^shininess)`, clamped to 0..1.
-//!    A flat normal is the triangle's own.
+//!    A flat normal is the triangle's own. `diffuse` is the surface's, times the texture at the pixel's center where the mesh has one
+//!    (linear light, repeated, trilinear, `v` = 0 the bottom row); of a skeleton's solids it is their own color.
 //! 4. **Blend**: skeleton first; the nearest surface of the skin is laid over what is there by its opacity; the skeleton behind an
 //!    opaque skin stays hidden. Alpha is premultiplied.
 //! 5. **Resolve**: the samples of a pixel are averaged, linear and premultiplied, each layer by itself, and the skin's layer is laid over the
 //!    other; the outcome is divided by its alpha, encoded as sRGB and rounded to 8 bits.
 
-use crate::pose::{Palette, Posed};
+use super::skeleton::{self, SkeletonView};
+use crate::pose::{Palette, Posed, Skinning};
 use crate::rig::Rig;
-use crate::scene::{Scene, Shape, ShowSkeleton, ShowSkin, VertexQuery};
-use glam::Vec3;
-use std::borrow::Cow;
+use crate::scene::{Scene, Shape, ShowSkeleton, VertexQuery};
 use std::sync::Arc;
 
 /// One renderer's worth of work.
@@ -28,11 +32,14 @@ pub struct Plan {
     pub wanted: Wanted,
 }
 
-/// A rig in a pose.
+/// A rig in a pose, ready to be skinned.
 #[derive(Debug, Clone)]
 pub struct Instance {
-    pub posed: Arc<Posed>,
-    pub shape: Shape,
+    posed: Arc<Posed>,
+    /// One entry per binding, as the shape wants it.
+    pub palette: Palette,
+    /// One per morph target.
+    pub morph_weights: Vec<f32>,
 }
 
 /// What a plan is for.
@@ -50,8 +57,8 @@ pub struct Picture {
     /// Rest bounds' diagonal: what inverse-square lights measure distance by.
     pub rig_size: f64,
     pub skin_is_shown: bool,
-    /// Lines over all instances, in world space.
-    pub lines: Vec<Segment>,
+    /// Over all instances, in world space.
+    pub skeleton: SkeletonView,
 }
 
 impl Picture {
@@ -67,94 +74,61 @@ impl Picture {
     }
 }
 
-/// A line of constant width in pixels, its ends round enough to be a dot where they coincide.
-#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub struct Segment {
-    pub from_in_world: Vec3,
-    pub width_pixels: f32,
-    pub to_in_world: Vec3,
-    /// Linear RGB.
-    pub color: Vec3,
-}
-
-/// Wide enough to be seen in a 128-pixel thumbnail, thin enough to show a finger.
-const BONE_WIDTH_PIXELS: f32 = 2.0;
-const JOINT_DOT_PIXELS: f32 = 5.0;
-const BONE_COLOR: Vec3 = Vec3::new(0.85, 0.72, 0.30);
-const JOINT_COLOR: Vec3 = Vec3::new(0.95, 0.33, 0.15);
-
 impl Instance {
-    pub fn rig(&self) -> &Arc<Rig> {
-        self.posed.rig()
+    /// As modelled, a mesh follows neither joints nor morph targets.
+    pub fn new(posed: Arc<Posed>, shape: Shape, skinning: Skinning) -> Self {
+        let (palette, morph_weights) = match shape {
+            Shape::Posed => (posed.palette(skinning), posed.morph_weights().to_vec()),
+            Shape::Bind => {
+                let weights = vec![0.0; posed.morph_weights().len()];
+                (Palette::bind(posed.rig(), skinning), weights)
+            }
+        };
+        Self {
+            posed,
+            palette,
+            morph_weights,
+        }
     }
 
-    /// One matrix per binding, as the shape wants it.
-    pub fn palette(&self) -> Cow<'_, Palette> {
-        match self.shape {
-            Shape::Posed => Cow::Borrowed(self.posed.palette()),
-            Shape::Bind => Cow::Owned(Palette::bind(self.rig())),
-        }
+    pub fn rig(&self) -> &Arc<Rig> {
+        self.posed.rig()
     }
 }
 
 impl Plan {
-    /// One rig, one picture. A rig with no skin shows its skeleton, whatever the scene says.
-    pub fn picture(posed: Arc<Posed>, scene: Scene, rig_size: f64) -> Self {
+    /// One rig, one picture. A rig with no skin shows its skeleton, also where the scene says nothing of it. `rig_size` is that of the
+    /// rest bounds.
+    pub fn picture(posed: Arc<Posed>, skinning: Skinning, scene: Scene, rig_size: f64) -> Self {
         let has_skin = posed.rig().vertex_count() > 0;
-        let skeleton = if has_skin {
-            scene.show.skeleton
-        } else {
-            ShowSkeleton::Wireframe
+        let how = match scene.show.skeleton {
+            ShowSkeleton::None if !has_skin => ShowSkeleton::Wireframe,
+            asked => asked,
         };
-        let lines = match skeleton {
-            ShowSkeleton::None => Vec::new(),
-            ShowSkeleton::Wireframe => wireframe(&posed),
-        };
-        let shape = if scene.show.skin == ShowSkin::Bind {
-            Shape::Bind
-        } else {
-            Shape::Posed
-        };
-        let skin_is_shown =
-            has_skin && scene.show.skin != ShowSkin::None && scene.show.skin_opacity() > 0.0;
+        let shape = scene.show.skin.shape();
+        let skin_is_shown = has_skin && scene.show.shows_skin();
         let picture = Picture {
-            scene,
             rig_size,
             skin_is_shown,
-            lines,
+            skeleton: skeleton::view(&posed, how, rig_size),
+            scene,
         };
         Self {
-            instances: vec![Instance { posed, shape }],
+            instances: vec![Instance::new(posed, shape, skinning)],
             wanted: Wanted::Picture(Box::new(picture)),
         }
     }
 
     /// Vertices of one rig; the queries lie inside its meshes.
-    pub fn vertices(posed: Arc<Posed>, shape: Shape, queries: Vec<VertexQuery>) -> Self {
+    pub fn vertices(
+        posed: Arc<Posed>,
+        skinning: Skinning,
+        shape: Shape,
+        queries: Vec<VertexQuery>,
+    ) -> Self {
         Self {
-            instances: vec![Instance { posed, shape }],
+            instances: vec![Instance::new(posed, shape, skinning)],
             wanted: Wanted::Vertices(queries),
         }
     }
-}
-
-/// A line along each bone, then a dot at each joint, so that a skeleton of one joint shows too.
-fn wireframe(posed: &Posed) -> Vec<Segment> {
-    let bones = posed.bones().map(|(_, from, to)| Segment {
-        from_in_world: from.as_vec3(),
-        to_in_world: to.as_vec3(),
-        width_pixels: BONE_WIDTH_PIXELS,
-        color: BONE_COLOR,
-    });
-    let dots = posed.world_from_joint().iter().map(|world_from_joint| {
-        let at = world_from_joint.translation.as_vec3();
-        Segment {
-            from_in_world: at,
-            to_in_world: at,
-            width_pixels: JOINT_DOT_PIXELS,
-            color: JOINT_COLOR,
-        }
-    });
-    bones.chain(dots).collect()
 }

@@ -93,7 +93,12 @@ impl Joint {
 pub struct Skeleton {
     joints: Vec<Joint>,
     children: Vec<Vec<usize>>,
+    bone_radius: Option<f64>,
 }
+
+/// Radius of bones to the median of their lengths: a figure as tall as a person has a median of about 0.15, since spine, hands and
+/// feet are short, and its bones are about 0.03 thick.
+const BONE_RADIUS_SHARE: f64 = 0.1;
 
 impl Skeleton {
     /// `joints` come from [`Draft::build`](super::Draft::build), which has checked them.
@@ -104,7 +109,11 @@ impl Skeleton {
                 children[parent].push(index);
             }
         }
-        Self { joints, children }
+        Self {
+            bone_radius: median_bone_length(&joints).map(|length| length * BONE_RADIUS_SHARE),
+            joints,
+            children,
+        }
     }
 
     pub fn joints(&self) -> &[Joint] {
@@ -118,5 +127,63 @@ impl Skeleton {
 
     pub fn joint_named(&self, name: &str) -> Option<usize> {
         self.joints.iter().position(|joint| joint.name == name)
+    }
+
+    /// How thick bones are drawn and picked, those apart that are short for it: positive, in the rig's units, whatever the pose.
+    /// `None` where no joint stands away from its parent, so that there is no bone to measure.
+    pub fn bone_radius(&self) -> Option<f64> {
+        self.bone_radius
+    }
+}
+
+/// At rest, of joints that stand away from their parents; of an even number the longer of the middle two.
+fn median_bone_length(joints: &[Joint]) -> Option<f64> {
+    let mut lengths: Vec<f64> = joints
+        .iter()
+        .filter(|joint| joint.parent.is_some())
+        .map(|joint| joint.offset.length())
+        .filter(|&length| length > 0.0)
+        .collect();
+    let middle = lengths.len() / 2;
+    (!lengths.is_empty()).then(|| *lengths.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A chain whose root stands far from the origin, its joints at these distances from one another.
+    fn chain(distances: &[f64]) -> Skeleton {
+        let offsets = std::iter::once(1000.0).chain(distances.iter().copied());
+        let joint = |(index, offset): (usize, f64)| Joint {
+            name: format!("joint_{index}"),
+            parent: index.checked_sub(1),
+            offset: DVec3::NEG_Y * offset,
+            rotation_order: RotationOrder::Zyx,
+            rest_angles: DVec3::ZERO,
+            rotation_limits: [Limit::NONE; 3],
+            translates: false,
+            bounding_box: None,
+        };
+        Skeleton::new(offsets.enumerate().map(joint).collect())
+    }
+
+    #[test]
+    fn bones_are_a_tenth_of_their_median_in_radius() {
+        for (distances, wanted) in [
+            (&[0.4, 0.1, 0.3][..], Some(0.03)),
+            (&[0.0, 0.4, 0.0, 0.0, 0.1, 0.3], Some(0.03)),
+            (&[2.0, 5.0], Some(0.5)),
+            (&[0.0, 0.0], None),
+            (&[], None),
+        ] {
+            let radius = chain(distances).bone_radius();
+            let is_near = |(found, wanted): (f64, f64)| (found - wanted).abs() < 1e-12;
+            assert_eq!(radius.is_some(), wanted.is_some(), "{distances:?}");
+            assert!(
+                radius.zip(wanted).is_none_or(is_near),
+                "{distances:?}: {radius:?}"
+            );
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Cameras of three kinds, brought to one form. All are right-handed; the camera looks down its own −Z with +Y up on screen.
 
-use super::{Bounds, SceneError, Size};
-use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4};
+use super::{Bounds, Ray, SceneError, Size};
+use glam::{DAffine3, DMat3, DMat4, DVec2, DVec3, DVec4};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// How camera space falls onto pixels; (0, 0) is the top left corner of the picture.
@@ -242,6 +242,31 @@ impl Camera {
         }
     }
 
+    /// What is seen at a point of the picture, or beside it: (0, 0) is its top left corner, the middle of a pixel is at +0.5.
+    ///
+    /// # Errors
+    /// Where `pixel` is no point that numbers reach.
+    pub fn ray(&self, pixel: DVec2) -> Result<Ray, SceneError> {
+        let inside = pixel.to_array().iter().all(|number| number.abs() <= MOST);
+        let expected = "two numbers within ±1e12";
+        SceneError::unless(inside, "pixel", expected, pixel.to_array())?;
+        let [fx, fy, cx, cy] = self.intrinsics();
+        let (x, y) = ((pixel.x - cx) / fx, (cy - pixel.y) / fy);
+        let (start, ahead, far) = match self.projection {
+            Projection::Perspective { .. } => (DVec3::ZERO, DVec3::new(x, y, -1.0), f64::INFINITY),
+            Projection::Orthographic { far, .. } => (DVec3::new(x, y, 0.0), DVec3::NEG_Z, far),
+        };
+        // `ahead` advances by 1 in depth, so its length is what both planes' distances are stretched by.
+        let ahead = self.world_from_camera.transform_vector3(ahead);
+        let length = ahead.length();
+        Ok(Ray {
+            origin: self.world_from_camera.transform_point3(start),
+            direction: ahead / length,
+            from: self.near * length,
+            to: far * length,
+        })
+    }
+
     /// Where the eye is, as a homogeneous point: the direction back to it where it is infinitely far (orthographic).
     pub fn eye(&self) -> DVec4 {
         match self.projection {
@@ -302,7 +327,6 @@ fn distance_to_fit(framed: &Bounds, fov_y: f64, size: Size) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec2;
 
     const SIZE: Size = Size {
         width: 400,

@@ -9,7 +9,7 @@ mod query;
 pub use bounds::Bounds;
 pub use camera::{Camera, LookAt, Near, Orbit, Pinhole, Projection};
 pub use light::{Falloff, Light};
-pub use query::{Shape, VertexQuery};
+pub use query::{BoneRadius, Ray, Shape, VertexQuery};
 
 use crate::limits::{LimitExceeded, Limits};
 use glam::{Vec3, Vec4};
@@ -85,6 +85,8 @@ impl Size {
 pub struct Color(Vec3);
 
 impl Color {
+    pub const WHITE: Self = Self::constant(1.0, 1.0, 1.0);
+
     /// # Errors
     /// Where a channel is outside 0..1.
     pub fn new(channels: [f64; 3], field: &'static str) -> Result<Self, SceneError> {
@@ -142,16 +144,23 @@ impl Default for Background {
 /// The surface of everything drawn, for Blinn-Phong.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface {
-    pub diffuse: Color,
+    /// Where it is not given, [`Surface::DIFFUSE`], or white under a texture.
+    pub diffuse: Option<Color>,
     pub specular: Color,
     /// The exponent on n·h.
     pub shininess: f32,
 }
 
 impl Surface {
+    pub const DIFFUSE: Color = Color::constant(0.60, 0.50, 0.42);
+
     /// # Errors
     /// Where the exponent is outside 0..10000.
-    pub fn new(diffuse: Color, specular: Color, shininess: f64) -> Result<Self, SceneError> {
+    pub fn new(
+        diffuse: Option<Color>,
+        specular: Color,
+        shininess: f64,
+    ) -> Result<Self, SceneError> {
         // Past this an exponent's highlight is smaller than a pixel and pow underflows everywhere else.
         let inside = (0.0..=10_000.0).contains(&shininess);
         SceneError::unless(
@@ -171,7 +180,7 @@ impl Surface {
 impl Default for Surface {
     fn default() -> Self {
         Self {
-            diffuse: Color::constant(0.60, 0.50, 0.42),
+            diffuse: None,
             specular: Color::constant(0.14, 0.14, 0.14),
             shininess: 32.0,
         }
@@ -188,6 +197,16 @@ pub enum ShowSkin {
     None,
 }
 
+impl ShowSkin {
+    /// The form of the skin that is looked at, if it is looked at.
+    pub fn shape(self) -> Shape {
+        match self {
+            Self::Posed | Self::None => Shape::Posed,
+            Self::Bind => Shape::Bind,
+        }
+    }
+}
+
 /// How the skeleton is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ShowSkeleton {
@@ -195,6 +214,12 @@ pub enum ShowSkeleton {
     None,
     /// A line along each bone and a dot at each joint, of constant width in pixels.
     Wireframe,
+    /// Each joint's own box.
+    Boxes,
+    /// A ball at each joint, and a box along each bone that grows thinner.
+    Sticks,
+    /// A six-sided cylinder along each bone.
+    Cylinders,
 }
 
 /// Which normals light the skin.
@@ -233,6 +258,11 @@ impl Show {
             normals,
             skin_opacity: skin_opacity as f32,
         })
+    }
+
+    /// Whether any of the skin is to be seen.
+    pub fn shows_skin(self) -> bool {
+        self.skin != ShowSkin::None && self.skin_opacity > 0.0
     }
 
     /// Below 1 what stands behind the nearest surface of the skin shines through.

@@ -1,6 +1,7 @@
 //! `frame.render`.
 
 use super::answer::Answer;
+use super::scene::of_skinning;
 use super::{Call, describe};
 use crate::encode::{self, Compression};
 use crate::engine::{HeldBytes, Timings};
@@ -44,6 +45,7 @@ impl Call<'_> {
         self.engine().render(
             &found.loaded,
             posed,
+            of_skinning(params.skinning),
             scene,
             terms,
             move |result| match result {

@@ -1,6 +1,7 @@
 //! `mesh.*`.
 
 use super::answer::Answer;
+use super::scene::of_skinning;
 use super::{Call, describe};
 use crate::frame::SkinnedVertices;
 use crate::protocol::blob::{ArrayTransport, Blob, Numbers};
@@ -38,6 +39,7 @@ impl Call<'_> {
         let stats = Arc::clone(&self.service.stats);
         self.engine().vertices(
             posed,
+            of_skinning(params.skinning),
             shape,
             queries.clone(),
             terms,

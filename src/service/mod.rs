@@ -9,6 +9,7 @@ mod fault;
 mod frame;
 mod mesh;
 mod message;
+mod pick;
 mod pose;
 mod rig;
 mod scene;
@@ -179,6 +180,8 @@ fn changes_something(method: Method) -> bool {
         | Method::RigUnload
         | Method::PoseSet
         | Method::PoseReset
+        | Method::PoseRotate
+        | Method::PoseRoll
         | Method::RequestCancel => true,
         Method::RpcDiscover
         | Method::ServerInfo
@@ -190,6 +193,7 @@ fn changes_something(method: Method) -> bool {
         | Method::FrameRender
         | Method::MeshVertices
         | Method::MeshTopology
+        | Method::ScenePick
         | Method::JointTransforms => false,
     }
 }
@@ -213,10 +217,13 @@ impl Call<'_> {
             Method::PoseGet => self.reply(answer, |params| self.get_pose(&params)),
             Method::PoseSet => self.reply(answer, |params| self.set_pose(&params)),
             Method::PoseReset => self.reply(answer, |params| self.reset_pose(&params)),
+            Method::PoseRotate => self.reply(answer, |params| self.rotate_pose(&params)),
+            Method::PoseRoll => self.reply(answer, |params| self.roll_pose(&params)),
             Method::JointTransforms => self.reply(answer, |params| self.joint_transforms(&params)),
             Method::FrameRender => self.hand_over(answer, Self::render),
             Method::MeshVertices => self.hand_over(answer, Self::vertices),
             Method::MeshTopology => self.hand_over(answer, Self::topology),
+            Method::ScenePick => self.hand_over(answer, Self::pick),
             // Needs the conversation, which has dealt with it.
             Method::RequestCancel => {}
         }

@@ -2,12 +2,12 @@
 
 use super::{Call, describe};
 use crate::engine::{Base, EngineError, RigRef};
-use crate::pose::{Clamped, LimitPolicy, PoseEdit, Posed};
+use crate::pose::{Clamped, ClipAt, LimitPolicy, Pose, PoseEdit, Posed, Space};
 use crate::protocol::pose as wire;
 use crate::protocol::rig::RigParams;
 use crate::protocol::{Done, Fault};
 use crate::rig::Rig;
-use glam::{DMat4, DQuat};
+use glam::{DMat4, DQuat, DVec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -51,6 +51,65 @@ impl Call<'_> {
     pub(super) fn reset_pose(&self, params: &RigParams) -> Result<Done, Fault> {
         self.engine().reset_pose(&params.rig)?;
         Ok(Done {})
+    }
+
+    pub(super) fn rotate_pose(
+        &self,
+        params: &wire::RotateParams,
+    ) -> Result<wire::PoseSetResult, Fault> {
+        let axis = DVec3::from_array(params.axis);
+        if axis == DVec3::ZERO {
+            let problem = "expected a direction, but found a vector of length 0";
+            return Err(Fault::invalid_params("axis", problem));
+        }
+        let space = match params.space {
+            wire::AxisSpace::Joint => Space::Joint,
+            wire::AxisSpace::World => Space::World,
+        };
+        self.turn(&params.rig, &params.joint, params.limits, |pose, joint| {
+            Ok(pose.turned(joint, axis, params.angle, space))
+        })
+    }
+
+    pub(super) fn roll_pose(
+        &self,
+        params: &wire::RollParams,
+    ) -> Result<wire::PoseSetResult, Fault> {
+        self.turn(&params.rig, &params.joint, params.limits, |pose, joint| {
+            let axis = pose.roll_axis(joint);
+            let axis =
+                axis.ok_or_else(|| no_such("joint", "the joint has no bone to roll about"))?;
+            Ok(pose.turned(joint, axis, params.angle, Space::Joint))
+        })
+    }
+
+    /// Changes the stored rotation of one joint to what `turned` makes of the stored pose.
+    fn turn(
+        &self,
+        rig: &str,
+        joint: &str,
+        limits: wire::LimitPolicy,
+        turned: impl FnOnce(&Pose, usize) -> Result<DQuat, EngineError>,
+    ) -> Result<wire::PoseSetResult, Fault> {
+        let set = self.engine().set_pose(rig, |current| {
+            let index = joint_named(joint, &current.loaded.rig)
+                .map_err(|problem| no_such("joint", problem))?;
+            let edit = PoseEdit {
+                rotations: vec![(index, turned(&current.stored, index)?)],
+                limits: of_limits(limits),
+                ..PoseEdit::default()
+            };
+            Ok((Base::Stored, edit))
+        });
+        let (loaded, clamped) = set.map_err(|error| match error {
+            EngineError::OutsideLimits(outside) => {
+                Fault::invalid_params("angle", outside.to_string())
+            }
+            other => other.into(),
+        })?;
+        Ok(wire::PoseSetResult {
+            clamped: describe::clamped(&loaded.rig, &clamped),
+        })
     }
 
     pub(super) fn joint_transforms(
@@ -106,17 +165,17 @@ impl Call<'_> {
                 ));
             }
         };
-        let limits = match pose.limits {
-            wire::LimitPolicy::Clamp => LimitPolicy::Clamp,
-            wire::LimitPolicy::Reject => LimitPolicy::Reject,
-            wire::LimitPolicy::Ignore => LimitPolicy::Ignore,
-        };
         Ok((
             base,
             PoseEdit {
+                clip: pose
+                    .clip
+                    .as_ref()
+                    .map(|clip| clip_at(clip, rig))
+                    .transpose()?,
                 rotations: rotations(&pose.rotations, rig)?,
                 dofs,
-                limits,
+                limits: of_limits(pose.limits),
             },
         ))
     }
@@ -175,10 +234,35 @@ fn located(error: EngineError, pose: &wire::Pose) -> Fault {
         format!("pose.dofs.{}", outside.dof)
     } else if pose.dof_values.is_some() {
         "pose.dof_values".to_owned()
+    } else if pose.rotations.is_empty() {
+        "pose.clip".to_owned()
     } else {
         "pose.rotations".to_owned()
     };
     Fault::invalid_params(path, outside.to_string())
+}
+
+fn of_limits(limits: wire::LimitPolicy) -> LimitPolicy {
+    match limits {
+        wire::LimitPolicy::Clamp => LimitPolicy::Clamp,
+        wire::LimitPolicy::Reject => LimitPolicy::Reject,
+        wire::LimitPolicy::Ignore => LimitPolicy::Ignore,
+    }
+}
+
+fn clip_at(wanted: &wire::ClipAt, rig: &Rig) -> Result<ClipAt, EngineError> {
+    let clip = rig.clips().iter().position(|clip| clip.name == wanted.name);
+    let time = wanted.time;
+    match clip {
+        Some(clip) => Ok(ClipAt { clip, time }),
+        None => {
+            let known = rig.clips().iter().map(|clip| clip.name.as_str());
+            Err(no_such(
+                "pose.clip.name",
+                unknown("clip", &wanted.name, known),
+            ))
+        }
+    }
 }
 
 fn named_dofs(dofs: &BTreeMap<String, f64>, rig: &Rig) -> Result<Vec<(usize, f64)>, EngineError> {
@@ -201,14 +285,7 @@ fn rotations(
 ) -> Result<Vec<(usize, DQuat)>, EngineError> {
     let index = |(name, &rotation): (&String, &[f64; 4])| {
         let field = || format!("pose.rotations.{name}");
-        let Some(joint) = rig.skeleton().joint_named(name) else {
-            let known = rig
-                .skeleton()
-                .joints()
-                .iter()
-                .map(|joint| joint.name.as_str());
-            return Err(no_such(field(), unknown("joint", name, known)));
-        };
+        let joint = joint_named(name, rig).map_err(|problem| no_such(field(), problem))?;
         let length = DQuat::from_array(rotation).length();
         // Off by more than float32 or a few printed decimals leave, it was not meant as a rotation.
         if (length - 1.0).abs() > 1e-2 {
@@ -220,6 +297,14 @@ fn rotations(
         Ok((joint, DQuat::from_array(rotation).normalize()))
     };
     rotations.iter().map(index).collect()
+}
+
+/// The joint's index, or what is wrong with its name.
+fn joint_named(name: &str, rig: &Rig) -> Result<usize, String> {
+    let joints = rig.skeleton().joints().iter();
+    let known = joints.map(|joint| joint.name.as_str());
+    let found = rig.skeleton().joint_named(name);
+    found.ok_or_else(|| unknown("joint", name, known))
 }
 
 fn unknown<'a>(noun: &str, name: &str, known: impl Iterator<Item = &'a str>) -> String {

@@ -2,6 +2,7 @@
 
 use super::{Call, fault};
 use crate::engine::EngineError;
+use crate::pose::Skinning;
 use crate::protocol::Fault;
 use crate::protocol::camera as wire_camera;
 use crate::protocol::frame as wire;
@@ -177,6 +178,13 @@ fn of_light(light: &wire_camera::Light) -> Result<Light, SceneError> {
     }
 }
 
+pub(super) fn of_skinning(skinning: wire::Skinning) -> Skinning {
+    match skinning {
+        wire::Skinning::Linear => Skinning::Linear,
+        wire::Skinning::DualQuaternion => Skinning::DualQuaternion,
+    }
+}
+
 fn of_material(material: &wire::Material) -> Result<Surface, SceneError> {
     let Surface {
         diffuse,
@@ -184,9 +192,10 @@ fn of_material(material: &wire::Material) -> Result<Surface, SceneError> {
         shininess,
     } = Surface::default();
     Surface::new(
-        material.diffuse.map_or(Ok(diffuse), |diffuse| {
-            Color::new(diffuse, "material.diffuse")
-        })?,
+        match material.diffuse {
+            None => diffuse,
+            Some(diffuse) => Some(Color::new(diffuse, "material.diffuse")?),
+        },
         material.specular.map_or(Ok(specular), |specular| {
             Color::new(specular, "material.specular")
         })?,
@@ -203,6 +212,9 @@ fn of_show(show: &wire::Show) -> Result<Show, SceneError> {
     let skeleton = match show.skeleton {
         wire::ShowSkeleton::None => ShowSkeleton::None,
         wire::ShowSkeleton::Wireframe => ShowSkeleton::Wireframe,
+        wire::ShowSkeleton::Boxes => ShowSkeleton::Boxes,
+        wire::ShowSkeleton::Sticks => ShowSkeleton::Sticks,
+        wire::ShowSkeleton::Cylinders => ShowSkeleton::Cylinders,
     };
     let normals = match show.normals {
         wire::ShowNormals::Smooth => ShowNormals::Smooth,

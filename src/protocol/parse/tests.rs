@@ -166,14 +166,14 @@ fn a_fault_in_a_frame_request_has_its_path_and_says_what_was_expected() {
             "expected one of `posed`, `bind`, `none`, but found an object",
         ),
         (
-            r#"{"rig":"a","show":{"skeleton":"sticks"}}"#,
+            r#"{"rig":"a","show":{"skeleton":"bones"}}"#,
             "show.skeleton",
-            "expected one of `none`, `wireframe`, but found string \"sticks\"",
+            "expected one of `none`, `wireframe`, `boxes`, `sticks`, `cylinders`, but found string \"bones\"",
         ),
         (
-            r#"{"rig":"a","skinning":"dual_quaternion"}"#,
+            r#"{"rig":"a","skinning":"dual"}"#,
             "skinning",
-            "expected `linear`, but found string \"dual_quaternion\"",
+            "expected one of `linear`, `dual_quaternion`, but found string \"dual\"",
         ),
         (
             r#"{"rig":"a","outputs":["color","depth"]}"#,
@@ -249,9 +249,14 @@ fn a_fault_in_a_pose_has_its_path_and_says_what_was_expected() {
             "expected one of `stored`, `rest`, but found string \"bind\"",
         ),
         (
-            r#"{"rig":"a","pose":{"clip":{"name":"walk","time":0}}}"#,
-            "pose.clip",
-            "unknown field `clip`; expected one of `base`, `rotations`, `dofs`, `dof_values`, `limits`",
+            r#"{"rig":"a","pose":{"clips":[{"name":"walk","time":0}]}}"#,
+            "pose.clips",
+            "unknown field `clips`; did you mean `clip`?",
+        ),
+        (
+            r#"{"rig":"a","pose":{"clip":{"name":"walk"}}}"#,
+            "pose.clip.time",
+            "the field is missing",
         ),
         (
             r#"{"rig":"a","pose":{"limits":null}}"#,

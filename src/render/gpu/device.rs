@@ -2,7 +2,7 @@
 
 use super::adapter::{self, AdapterChoice, AdapterError, AdapterInfo};
 use crate::limits::LimitExceeded;
-use crate::pose::SkinMatrix;
+use crate::pose::SkinDualQuaternion;
 use crate::render::RenderError;
 use crate::rig::Rig;
 use crate::scene::Size;
@@ -40,19 +40,24 @@ impl Capabilities {
     }
 
     /// # Errors
-    /// Where a buffer of this rig is larger than the adapter takes.
+    /// Where a buffer or a texture of this rig is larger than the adapter takes.
     pub fn accept_rig(&self, rig: &Rig) -> Result<(), LimitExceeded> {
         let of_meshes = rig.meshes().iter().flat_map(|mesh| {
             [
                 size_of_val(mesh.influences()),
+                size_of_val(mesh.morph_displacements()),
                 size_of_val(mesh.draw_triangles()),
             ]
         });
         // The skinned vertices of all meshes stand in one buffer, six floats each.
         let skinned = rig.vertex_count() * 24;
-        let palette = rig.bindings().len() * size_of::<SkinMatrix>();
+        let palette = rig.bindings().len() * size_of::<SkinDualQuaternion>();
         let largest = of_meshes.chain([skinned, palette]).max().unwrap_or(0);
-        hold(BUFFER_BYTES, self.buffer_bytes, largest as u64)
+        hold(BUFFER_BYTES, self.buffer_bytes, largest as u64)?;
+        let textures = rig.materials().iter().flat_map(|m| &m.texture);
+        let sides =
+            textures.map(|texture| texture.levels()[0].width.max(texture.levels()[0].height));
+        hold(SIDE, self.side, sides.max().unwrap_or(0).into())
     }
 }
 

@@ -1,7 +1,7 @@
 //! What the shaders read, byte for byte: `repr(C)` mirrors of the structs in `shaders/*.wgsl`.
 
 use crate::render::Picture;
-use crate::scene::{Falloff, Light, ShowNormals};
+use crate::scene::{Color, Falloff, Light, ShowNormals, Surface};
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
@@ -22,6 +22,8 @@ pub(super) struct View {
     opacity: f32,
     specular: Vec3,
     least_distance_squared: f32,
+    textured_diffuse: Vec3,
+    _padding: f32,
     lights: [ShaderLight; LIGHTS],
 }
 
@@ -36,7 +38,8 @@ struct ShaderLight {
 #[repr(C)]
 pub(super) struct SkinJob {
     pub vertex_count: u32,
-    pub first_matrix: u32,
+    pub first_row: u32,
+    pub first_morph_weight: u32,
     pub positions_start: u32,
     pub normals_start: u32,
 }
@@ -64,10 +67,13 @@ impl View {
             flat_normals: u32::from(scene.show.normals == ShowNormals::Flat),
             ambient: scene.ambient.rgb(),
             shininess: scene.surface.shininess,
-            diffuse: scene.surface.diffuse.rgb(),
+            diffuse: scene.surface.diffuse.unwrap_or(Surface::DIFFUSE).rgb(),
             opacity: scene.show.skin_opacity(),
             specular: scene.surface.specular.rgb(),
             least_distance_squared: picture.least_distance_squared(),
+            // A texture has the color already.
+            textured_diffuse: scene.surface.diffuse.unwrap_or(Color::WHITE).rgb(),
+            _padding: 0.0,
             lights,
         }
     }
@@ -102,9 +108,10 @@ impl ShaderLight {
 mod tests {
     use super::*;
     use crate::limits::Limits;
-    use crate::pose::SkinMatrix;
+    use crate::pose::{SkinDualQuaternion, SkinMatrix};
     use crate::render::gpu::shaders;
-    use crate::rig::Influence;
+    use crate::rig::{Influence, MorphDisplacement};
+    use glam::Vec4;
     use std::mem::offset_of;
 
     /// Offset of every member, and the size, of a struct as the shader compiler lays it out.
@@ -137,20 +144,25 @@ mod tests {
             clip_from_world = "clip_from_world", eye_in_world = "eye_in_world", size_pixels = "size_pixels",
             light_count = "light_count", flat_normals = "flat_normals", ambient = "ambient", shininess = "shininess",
             diffuse = "diffuse", opacity = "opacity", specular = "specular",
-            least_distance_squared = "least_distance_squared", lights = "lights",
+            least_distance_squared = "least_distance_squared", textured_diffuse = "textured_diffuse", lights = "lights",
         });
         assert_mirrors!(shaders::SHADE, "Light", ShaderLight {
             toward_or_position = "toward_or_position", radiance = "radiance",
         });
-        assert_mirrors!(shaders::SKIN, "SkinJob", SkinJob {
-            vertex_count = "vertex_count", first_matrix = "first_matrix",
+        assert_mirrors!(shaders::SKIN_LINEAR, "SkinJob", SkinJob {
+            vertex_count = "vertex_count", first_row = "first_row", first_morph_weight = "first_morph_weight",
             positions_start = "positions_start", normals_start = "normals_start",
         });
         assert_mirrors!(shaders::RESOLVE, "ResolveJob", ResolveJob {
             width = "width", height = "height", layers = "layers",
         });
-        assert_mirrors!(shaders::SKIN, "SkinMatrix", SkinMatrix { rows = "rows" });
-        assert_mirrors!(shaders::SKIN, "Influence", Influence { binding = "binding", weight = "weight" });
+        assert_mirrors!(shaders::SKIN_LINEAR, "Influence", Influence { binding = "binding", weight = "weight" });
+        assert_mirrors!(shaders::SKIN_LINEAR, "MorphDisplacement", MorphDisplacement {
+            morph = "morph", position = "position", normal = "normal",
+        });
+        // The shaders read a palette row by row.
+        assert_eq!(size_of::<SkinMatrix>(), 3 * size_of::<Vec4>());
+        assert_eq!(size_of::<SkinDualQuaternion>(), 5 * size_of::<Vec4>());
     }
 
     #[test]

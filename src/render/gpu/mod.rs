@@ -9,7 +9,9 @@ mod resolve;
 mod shade;
 mod shaders;
 mod skin;
+mod solids;
 mod targets;
+mod textures;
 mod upload;
 
 pub use adapter::{AdapterChoice, AdapterError, AdapterInfo, AdapterKind, Backend, adapters};
@@ -24,12 +26,14 @@ use resolve::ResolveStage;
 use shade::{Drawn, ShadeStage};
 use skin::SkinStage;
 use targets::{TargetCache, TargetShape};
-use upload::Uploads;
+use textures::TextureBinding;
+use upload::{Layouts, Uploads};
 
 /// A device with everything that lives as long as it does. One thread owns it.
 pub struct Gpu {
     device: Device,
     uploads: Uploads,
+    textures: TextureBinding,
     skin: SkinStage,
     shade: ShadeStage,
     resolve: ResolveStage,
@@ -42,10 +46,12 @@ impl Gpu {
     /// [`AdapterError`] says what there is instead.
     pub fn open(choice: &AdapterChoice, require_gpu: bool) -> Result<Self, AdapterError> {
         let device = Device::open(choice, require_gpu)?;
+        let textures = TextureBinding::new(&device);
         Ok(Self {
             uploads: Uploads::default(),
             skin: SkinStage::new(&device),
-            shade: ShadeStage::new(&device),
+            shade: ShadeStage::new(&device, &textures),
+            textures,
             resolve: ResolveStage::new(&device),
             targets: TargetCache::default(),
             readbacks: Readbacks::default(),
@@ -95,8 +101,11 @@ impl Gpu {
         let device = &self.device;
         for instance in &plan.instances {
             device.capabilities.accept_rig(instance.rig())?;
-            self.uploads
-                .upload(device, &self.skin.mesh_layout, instance.rig());
+            let layouts = Layouts {
+                mesh: &self.skin.mesh_layout,
+                textures: &self.textures,
+            };
+            self.uploads.upload(device, layouts, instance.rig());
         }
         let uploaded = plan
             .instances

@@ -1,23 +1,27 @@
-//! Stages 2 to 4 on the device, `shaders/shade.wgsl` and `shaders/skeleton.wgsl`: triangles and lines into the targets.
+//! Stages 2 to 4 on the device, `shaders/shade.wgsl`, `lines.wgsl` and `solids.wgsl`: skin and skeleton into the targets.
 
 use super::buffers::Growing;
 use super::device::Device;
 use super::layout::View;
 use super::shaders;
 use super::skin::SkinnedMesh;
+use super::solids::SolidMeshes;
 use super::targets::{COLOR_FORMAT, ColorTarget, DEPTH_FORMAT, Layers, Targets};
+use super::textures::TextureBinding;
 use super::upload::GpuRig;
-use crate::render::{Picture, Segment};
+use crate::render::{Picture, Segment, Solid};
 use crate::scene::Samples;
 use glam::Vec4;
 use std::collections::HashMap;
-use wgpu::{BufferUsages, CompareFunction, VertexAttribute, VertexFormat, VertexStepMode};
+use wgpu::{BufferUsages, CompareFunction, VertexStepMode};
 
 /// What a pipeline draws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Kind {
     Lines,
+    Solids,
     Skin,
+    TexturedSkin,
 }
 
 /// A translucent skin gets a layer of its own, so that only its nearest surface is laid over what stands behind it.
@@ -32,12 +36,15 @@ pub(super) fn layers_of(picture: &Picture) -> Layers {
 
 pub(super) struct ShadeStage {
     layout: wgpu::PipelineLayout,
+    textured_layout: wgpu::PipelineLayout,
     skin_module: wgpu::ShaderModule,
     line_module: wgpu::ShaderModule,
+    solid_module: wgpu::ShaderModule,
     pipelines: HashMap<(Kind, Samples), wgpu::RenderPipeline>,
     view: wgpu::Buffer,
     view_group: wgpu::BindGroup,
     lines: Growing,
+    solids: SolidMeshes,
 }
 
 /// Skinned meshes, and the rigs of the instances that they are of.
@@ -48,7 +55,7 @@ pub(super) struct Drawn<'a> {
 }
 
 impl ShadeStage {
-    pub fn new(device: &Device) -> Self {
+    pub fn new(device: &Device, textures: &TextureBinding) -> Self {
         let wgpu_device = &device.device;
         let view_layout = wgpu_device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("shade.view"),
@@ -80,24 +87,29 @@ impl ShadeStage {
                 resource: view.as_entire_binding(),
             }],
         });
-        let layout = wgpu_device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("shade.pipeline_layout"),
-            bind_group_layouts: &[Some(&view_layout)],
-            immediate_size: 0,
-        });
+        let layout = |groups: &[Option<&wgpu::BindGroupLayout>]| {
+            wgpu_device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("shade.pipeline_layout"),
+                bind_group_layouts: groups,
+                immediate_size: 0,
+            })
+        };
         Self {
-            layout,
+            layout: layout(&[Some(&view_layout)]),
+            textured_layout: layout(&[Some(&view_layout), Some(&textures.layout)]),
             skin_module: module("shade.skin", shaders::SHADE),
-            line_module: module("shade.lines", shaders::SKELETON),
+            line_module: module("shade.lines", shaders::LINES),
+            solid_module: module("shade.solids", shaders::SOLIDS),
             pipelines: HashMap::new(),
             view,
             view_group,
             lines: Growing::new(device, "shade.lines", BufferUsages::VERTEX),
+            solids: SolidMeshes::new(device),
         }
     }
 
     pub fn bytes(&self) -> u64 {
-        self.view.size() + self.lines.buffer().size()
+        self.view.size() + self.lines.buffer().size() + self.solids.bytes()
     }
 
     /// Records the passes that draw `picture` into `targets`.
@@ -109,33 +121,43 @@ impl ShadeStage {
         targets: &Targets,
         drawn: &Drawn<'_>,
     ) {
-        self.prepare(device, picture);
+        self.prepare(device, picture, drawn);
         let background = picture.scene.background.premultiplied();
         let mut pass = begin(encoder, &targets.color, Some(background), targets);
-        self.draw_lines(&mut pass, picture);
+        self.draw_skeleton(&mut pass, picture);
         let Some(skin_color) = &targets.skin_color else {
             return self.draw_skin(&mut pass, picture, drawn);
         };
         drop(pass);
-        // With the depth of the lines, so that skin behind one stays behind it.
+        // With the depth of the skeleton, so that skin behind it stays behind it.
         let mut pass = begin(encoder, skin_color, None, targets);
         self.draw_skin(&mut pass, picture, drawn);
     }
 
     /// Writes what the passes read, and makes the pipelines that were not needed before.
-    fn prepare(&mut self, device: &Device, picture: &Picture) {
+    fn prepare(&mut self, device: &Device, picture: &Picture, drawn: &Drawn<'_>) {
         let samples = picture.scene.samples;
-        let lines: &[u8] = bytemuck::cast_slice(&picture.lines);
+        let lines: &[u8] = bytemuck::cast_slice(&picture.skeleton.lines);
         self.lines.reserve(device, lines.len() as u64);
         device.queue.write_buffer(self.lines.buffer(), 0, lines);
+        self.solids.write(device, &picture.skeleton.solids);
         device
             .queue
             .write_buffer(&self.view, 0, bytemuck::bytes_of(&View::of(picture)));
-        let drawn = [
+        let meshes = || drawn.rigs.iter().flat_map(|rig| &rig.meshes);
+        let kinds = [
             (Kind::Lines, !lines.is_empty()),
-            (Kind::Skin, picture.skin_is_shown),
+            (Kind::Solids, !picture.skeleton.solids.is_empty()),
+            (
+                Kind::Skin,
+                picture.skin_is_shown && meshes().any(|mesh| mesh.texturing.is_none()),
+            ),
+            (
+                Kind::TexturedSkin,
+                picture.skin_is_shown && meshes().any(|mesh| mesh.texturing.is_some()),
+            ),
         ];
-        for (kind, _) in drawn.into_iter().filter(|(_, is_drawn)| *is_drawn) {
+        for (kind, _) in kinds.into_iter().filter(|(_, is_drawn)| *is_drawn) {
             if !self.pipelines.contains_key(&(kind, samples)) {
                 let pipeline = self.pipeline(device, kind, samples);
                 self.pipelines.insert((kind, samples), pipeline);
@@ -143,83 +165,111 @@ impl ShadeStage {
         }
     }
 
-    fn draw_lines(&self, pass: &mut wgpu::RenderPass<'_>, picture: &Picture) {
-        if picture.lines.is_empty() {
-            return;
-        }
-        pass.set_pipeline(&self.pipelines[&(Kind::Lines, picture.scene.samples)]);
+    fn draw_skeleton(&self, pass: &mut wgpu::RenderPass<'_>, picture: &Picture) {
+        let (lines, solids) = (&picture.skeleton.lines, &picture.skeleton.solids);
         pass.set_bind_group(0, &self.view_group, &[]);
-        pass.set_vertex_buffer(0, self.lines.buffer().slice(..));
-        pass.draw(0..6, 0..picture.lines.len() as u32);
+        if !lines.is_empty() {
+            pass.set_pipeline(&self.pipelines[&(Kind::Lines, picture.scene.samples)]);
+            pass.set_vertex_buffer(0, self.lines.buffer().slice(..));
+            pass.draw(0..6, 0..lines.len() as u32);
+        }
+        if !solids.is_empty() {
+            pass.set_pipeline(&self.pipelines[&(Kind::Solids, picture.scene.samples)]);
+            self.solids.draw(pass, solids);
+        }
     }
 
     fn draw_skin(&self, pass: &mut wgpu::RenderPass<'_>, picture: &Picture, drawn: &Drawn<'_>) {
         if !picture.skin_is_shown {
             return;
         }
-        pass.set_pipeline(&self.pipelines[&(Kind::Skin, picture.scene.samples)]);
         pass.set_bind_group(0, &self.view_group, &[]);
         let vertices = drawn.vertices;
         for place in drawn.skinned {
             let mesh = &drawn.rigs[place.instance].meshes[place.uploaded];
-            if mesh.index_count > 0 {
-                pass.set_vertex_buffer(0, vertices.slice(place.positions_start..));
-                pass.set_vertex_buffer(1, vertices.slice(place.normals_start..));
-                pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
-                pass.draw_indexed(0..mesh.index_count, 0, 0..1);
+            if mesh.index_count == 0 {
+                continue;
             }
+            let mut kind = Kind::Skin;
+            if let Some(texturing) = &mesh.texturing {
+                kind = Kind::TexturedSkin;
+                pass.set_bind_group(1, &texturing.bind_group, &[]);
+                pass.set_vertex_buffer(2, texturing.texcoords.slice(..));
+            }
+            pass.set_pipeline(&self.pipelines[&(kind, picture.scene.samples)]);
+            pass.set_vertex_buffer(0, vertices.slice(place.positions_start..));
+            pass.set_vertex_buffer(1, vertices.slice(place.normals_start..));
+            pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(0..mesh.index_count, 0, 0..1);
         }
     }
 
     fn pipeline(&self, device: &Device, kind: Kind, samples: Samples) -> wgpu::RenderPipeline {
-        let vector = |location| {
-            [VertexAttribute {
-                format: VertexFormat::Float32x3,
-                offset: 0,
-                shader_location: location,
-            }]
-        };
-        let (positions, normals) = (vector(0), vector(1));
-        let per_vertex = |attributes| {
+        let positions = wgpu::vertex_attr_array![0 => Float32x3];
+        let normals = wgpu::vertex_attr_array![1 => Float32x3];
+        let texcoords = wgpu::vertex_attr_array![2 => Float32x2];
+        let segment =
+            wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Float32x3];
+        let corner = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
+        let solid = wgpu::vertex_attr_array![2 => Float32x4, 3 => Float32x4, 4 => Float32x4, 5 => Float32x4];
+        let per_vertex = |array_stride, attributes| {
             Some(wgpu::VertexBufferLayout {
-                array_stride: 12,
+                array_stride,
                 step_mode: VertexStepMode::Vertex,
                 attributes,
             })
         };
-        let line_attributes =
-            wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Float32x3];
-        let lines = Some(wgpu::VertexBufferLayout {
-            array_stride: size_of::<Segment>() as u64,
-            step_mode: VertexStepMode::Instance,
-            attributes: &line_attributes,
-        });
-        let skin_buffers = [per_vertex(&positions), per_vertex(&normals)];
-        let line_buffers = [lines];
-        let (module, vertex, fragment, buffers): (_, _, _, &[_]) = match kind {
+        let per_instance = |array_stride: usize, attributes| {
+            Some(wgpu::VertexBufferLayout {
+                array_stride: array_stride as u64,
+                step_mode: VertexStepMode::Instance,
+                attributes,
+            })
+        };
+        let (layout, module, stem, buffers) = match kind {
             Kind::Lines => (
+                &self.layout,
                 &self.line_module,
-                "line_vertex",
-                "line_fragment",
-                &line_buffers,
+                "line",
+                vec![per_instance(size_of::<Segment>(), &segment[..])],
+            ),
+            Kind::Solids => (
+                &self.layout,
+                &self.solid_module,
+                "solid",
+                vec![
+                    per_vertex(24, &corner[..]),
+                    per_instance(size_of::<Solid>(), &solid[..]),
+                ],
             ),
             Kind::Skin => (
+                &self.layout,
                 &self.skin_module,
-                "skin_vertex",
-                "skin_fragment",
-                &skin_buffers,
+                "plain",
+                vec![per_vertex(12, &positions[..]), per_vertex(12, &normals[..])],
+            ),
+            Kind::TexturedSkin => (
+                &self.textured_layout,
+                &self.skin_module,
+                "textured",
+                vec![
+                    per_vertex(12, &positions[..]),
+                    per_vertex(12, &normals[..]),
+                    per_vertex(8, &texcoords[..]),
+                ],
             ),
         };
+        let (vertex, fragment) = (format!("{stem}_vertex"), format!("{stem}_fragment"));
         device
             .device
             .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some("shade.pipeline"),
-                layout: Some(&self.layout),
+                layout: Some(layout),
                 vertex: wgpu::VertexState {
                     module,
-                    entry_point: Some(vertex),
+                    entry_point: Some(&vertex),
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers,
+                    buffers: &buffers,
                 },
                 // Winding decides which side is seen, never whether it is seen: sample files disagree about it.
                 primitive: wgpu::PrimitiveState {
@@ -239,7 +289,7 @@ impl ShadeStage {
                 },
                 fragment: Some(wgpu::FragmentState {
                     module,
-                    entry_point: Some(fragment),
+                    entry_point: Some(&fragment),
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
                     targets: &[Some(COLOR_FORMAT.into())],
                 }),

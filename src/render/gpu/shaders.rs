@@ -6,9 +6,12 @@ macro_rules! shader {
     };
 }
 
-pub(super) const SKIN: &str = shader!("common.wgsl", "skin.wgsl");
-pub(super) const SHADE: &str = shader!("common.wgsl", "shade.wgsl");
-pub(super) const SKELETON: &str = shader!("common.wgsl", "skeleton.wgsl");
+pub(super) const SKIN_LINEAR: &str = shader!("common.wgsl", "skin.wgsl", "skin_linear.wgsl");
+pub(super) const SKIN_DUAL_QUATERNION: &str =
+    shader!("common.wgsl", "skin.wgsl", "skin_dual_quaternion.wgsl");
+pub(super) const SHADE: &str = shader!("common.wgsl", "light.wgsl", "shade.wgsl");
+pub(super) const LINES: &str = shader!("common.wgsl", "lines.wgsl");
+pub(super) const SOLIDS: &str = shader!("common.wgsl", "light.wgsl", "solids.wgsl");
 pub(super) const RESOLVE: &str = shader!("common.wgsl", "resolve.wgsl");
 
 /// Threads of one compute workgroup: `WORKGROUP` in `common.wgsl`.
@@ -20,7 +23,14 @@ mod tests {
 
     #[test]
     fn every_shader_is_valid_wgsl_with_the_workgroup_size_that_is_dispatched() {
-        for source in [SKIN, SHADE, SKELETON, RESOLVE] {
+        for source in [
+            SKIN_LINEAR,
+            SKIN_DUAL_QUATERNION,
+            SHADE,
+            LINES,
+            SOLIDS,
+            RESOLVE,
+        ] {
             let module = naga::front::wgsl::parse_str(source).expect("the shader parses");
             let flags = naga::valid::ValidationFlags::all();
             let mut validator =

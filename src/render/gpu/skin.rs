@@ -1,12 +1,14 @@
-//! Stage 1 on the device, `shaders/skin.wgsl`: every vertex of every instance, once, into one buffer that draws and queries read.
+//! Stage 1 on the device, `shaders/skin*.wgsl`: every vertex of every instance, once, into one buffer that draws and queries read.
 
 use super::buffers::Growing;
 use super::device::Device;
 use super::layout::SkinJob;
 use super::shaders;
 use super::upload::{GpuMesh, GpuRig};
-use crate::pose::SkinMatrix;
+use crate::pose::Skinning;
 use crate::render::Instance;
+use glam::Vec4;
+use std::collections::HashMap;
 use wgpu::{BufferUsages, ShaderStages};
 
 /// Where one mesh of one instance lies in the skinned buffer.
@@ -22,11 +24,14 @@ pub(super) struct SkinnedMesh {
 }
 
 pub(super) struct SkinStage {
-    pipeline: wgpu::ComputePipeline,
+    pipeline_layout: wgpu::PipelineLayout,
+    /// Made when first needed.
+    pipelines: HashMap<Skinning, wgpu::ComputePipeline>,
     job_layout: wgpu::BindGroupLayout,
     pub mesh_layout: wgpu::BindGroupLayout,
     jobs: Growing,
     palette: Growing,
+    morph_weights: Growing,
     skinned: Growing,
     bind_group: wgpu::BindGroup,
     /// Bytes from one job to the next, as the device aligns them.
@@ -37,7 +42,8 @@ pub(super) struct SkinStage {
 
 #[derive(Default)]
 struct Scratch {
-    palette: Vec<SkinMatrix>,
+    palette: Vec<Vec4>,
+    morph_weights: Vec<f32>,
     jobs: Vec<u8>,
 }
 
@@ -49,13 +55,14 @@ impl SkinStage {
             &[
                 wgpu::BufferBindingType::Uniform,
                 wgpu::BufferBindingType::Storage { read_only: true },
+                wgpu::BufferBindingType::Storage { read_only: true },
                 wgpu::BufferBindingType::Storage { read_only: false },
             ],
         );
         let mesh_layout = layout(
             device,
             "skin.mesh",
-            &[wgpu::BufferBindingType::Storage { read_only: true }; 3],
+            &[wgpu::BufferBindingType::Storage { read_only: true }; 5],
         );
         let pipeline_layout =
             device
@@ -65,36 +72,27 @@ impl SkinStage {
                     bind_group_layouts: &[Some(&job_layout), Some(&mesh_layout)],
                     immediate_size: 0,
                 });
-        let module = device
-            .device
-            .create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some("skin.shader"),
-                source: wgpu::ShaderSource::Wgsl(shaders::SKIN.into()),
-            });
-        let pipeline = device
-            .device
-            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some("skin.pipeline"),
-                layout: Some(&pipeline_layout),
-                module: &module,
-                entry_point: Some("skin"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            });
         let jobs = Growing::new(device, "skin.jobs", BufferUsages::UNIFORM);
         let palette = Growing::new(device, "skin.palette", BufferUsages::STORAGE);
+        let morph_weights = Growing::new(device, "skin.morph_weights", BufferUsages::STORAGE);
         let skinned_usage = BufferUsages::STORAGE | BufferUsages::VERTEX | BufferUsages::COPY_SRC;
         let skinned = Growing::new(device, "skin.skinned", skinned_usage);
-        let bind_group = bind(device, &job_layout, &jobs, &palette, &skinned);
+        let bind_group = bind(
+            device,
+            &job_layout,
+            [&jobs, &palette, &morph_weights, &skinned],
+        );
         let alignment = u64::from(device.device.limits().min_uniform_buffer_offset_alignment);
         let job_stride = (size_of::<SkinJob>() as u64).next_multiple_of(alignment);
         let scratch = Scratch::default();
         Self {
-            pipeline,
+            pipeline_layout,
+            pipelines: HashMap::new(),
             job_layout,
             mesh_layout,
             jobs,
             palette,
+            morph_weights,
             skinned,
             bind_group,
             job_stride,
@@ -108,13 +106,45 @@ impl SkinStage {
     }
 
     pub fn bytes(&self) -> u64 {
-        [&self.jobs, &self.palette, &self.skinned]
-            .iter()
-            .map(|growing| growing.buffer().size())
-            .sum()
+        [
+            &self.jobs,
+            &self.palette,
+            &self.morph_weights,
+            &self.skinned,
+        ]
+        .iter()
+        .map(|growing| growing.buffer().size())
+        .sum()
     }
 
-    /// Writes palettes and records the skin pass. `rigs` are those of `instances`, in step.
+    /// Makes the pipeline for this way of skinning where it was not needed before.
+    fn prepare(&mut self, device: &Device, skinning: Skinning) {
+        let source = match skinning {
+            Skinning::Linear => shaders::SKIN_LINEAR,
+            Skinning::DualQuaternion => shaders::SKIN_DUAL_QUATERNION,
+        };
+        let layout = &self.pipeline_layout;
+        self.pipelines.entry(skinning).or_insert_with(|| {
+            let module = device
+                .device
+                .create_shader_module(wgpu::ShaderModuleDescriptor {
+                    label: Some("skin.shader"),
+                    source: wgpu::ShaderSource::Wgsl(source.into()),
+                });
+            device
+                .device
+                .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                    label: Some("skin.pipeline"),
+                    layout: Some(layout),
+                    module: &module,
+                    entry_point: Some("skin"),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    cache: None,
+                })
+        });
+    }
+
+    /// Writes palettes and weights and records the skin pass. `rigs` are those of `instances`, in step.
     pub fn encode(
         &mut self,
         device: &Device,
@@ -122,14 +152,24 @@ impl SkinStage {
         instances: &[Instance],
         rigs: &[&GpuRig],
     ) -> Vec<SkinnedMesh> {
-        let Scratch { palette, jobs } = &mut self.scratch;
+        for instance in instances {
+            self.prepare(device, instance.palette.skinning());
+        }
+        let Scratch {
+            palette,
+            morph_weights,
+            jobs,
+        } = &mut self.scratch;
         palette.clear();
+        morph_weights.clear();
         jobs.clear();
         let mut skinned = Vec::new();
         let mut floats: u32 = 0;
         for (instance, (of_instance, rig)) in instances.iter().zip(rigs).enumerate() {
-            let first_matrix = palette.len() as u32;
-            palette.extend_from_slice(of_instance.palette().matrices());
+            let first_row = palette.len() as u32;
+            palette.extend_from_slice(of_instance.palette.rows());
+            let first_morph_weight = morph_weights.len() as u32;
+            morph_weights.extend_from_slice(&of_instance.morph_weights);
             for (
                 uploaded,
                 GpuMesh {
@@ -143,7 +183,8 @@ impl SkinStage {
                 floats += 6 * vertex_count;
                 let job = SkinJob {
                     vertex_count: *vertex_count,
-                    first_matrix,
+                    first_row,
+                    first_morph_weight,
                     positions_start,
                     normals_start,
                 };
@@ -159,21 +200,30 @@ impl SkinStage {
             }
         }
         let palette: &[u8] = bytemuck::cast_slice(palette);
+        let morph_weights: &[u8] = bytemuck::cast_slice(morph_weights);
         let grew = [
             self.jobs.reserve(device, jobs.len() as u64),
             self.palette.reserve(device, palette.len() as u64),
+            self.morph_weights
+                .reserve(device, morph_weights.len() as u64),
             self.skinned.reserve(device, 4 * u64::from(floats)),
         ];
         if grew.contains(&true) {
             self.bind_group = bind(
                 device,
                 &self.job_layout,
-                &self.jobs,
-                &self.palette,
-                &self.skinned,
+                [
+                    &self.jobs,
+                    &self.palette,
+                    &self.morph_weights,
+                    &self.skinned,
+                ],
             );
         }
         device.queue.write_buffer(self.palette.buffer(), 0, palette);
+        device
+            .queue
+            .write_buffer(self.morph_weights.buffer(), 0, morph_weights);
         device.queue.write_buffer(self.jobs.buffer(), 0, jobs);
 
         let descriptor = wgpu::ComputePassDescriptor {
@@ -181,9 +231,9 @@ impl SkinStage {
             timestamp_writes: None,
         };
         let mut pass = encoder.begin_compute_pass(&descriptor);
-        pass.set_pipeline(&self.pipeline);
         let mut offset = 0;
-        for rig in rigs {
+        for (instance, rig) in instances.iter().zip(rigs) {
+            pass.set_pipeline(&self.pipelines[&instance.palette.skinning()]);
             for mesh in &rig.meshes {
                 pass.set_bind_group(0, &self.bind_group, &[offset]);
                 pass.set_bind_group(1, &mesh.bind_group, &[]);
@@ -224,34 +274,26 @@ fn layout(
     device.device.create_bind_group_layout(&descriptor)
 }
 
+/// `buffers` are jobs, palette, morph weights and skinned vertices.
 fn bind(
     device: &Device,
     layout: &wgpu::BindGroupLayout,
-    jobs: &Growing,
-    palette: &Growing,
-    skinned: &Growing,
+    buffers: [&Growing; 4],
 ) -> wgpu::BindGroup {
-    let one_job = wgpu::BufferBinding {
-        buffer: jobs.buffer(),
+    let [jobs, whole @ ..] = buffers.map(Growing::buffer);
+    let one_job = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+        buffer: jobs,
         offset: 0,
         size: wgpu::BufferSize::new(size_of::<SkinJob>() as u64),
-    };
+    });
+    let whole = whole.map(wgpu::Buffer::as_entire_binding);
+    let entries: Vec<_> = (0u32..)
+        .zip(std::iter::once(one_job).chain(whole))
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+        .collect();
     device.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("skin.job"),
         layout,
-        entries: &[
-            wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::Buffer(one_job),
-            },
-            wgpu::BindGroupEntry {
-                binding: 1,
-                resource: palette.buffer().as_entire_binding(),
-            },
-            wgpu::BindGroupEntry {
-                binding: 2,
-                resource: skinned.buffer().as_entire_binding(),
-            },
-        ],
+        entries: &entries,
     })
 }

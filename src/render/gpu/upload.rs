@@ -2,7 +2,9 @@
 
 use super::buffers::filled;
 use super::device::Device;
-use crate::rig::{Mesh, Rig, RigId};
+use super::textures::TextureBinding;
+use crate::rig::{Mesh, MorphDisplacement, Rig, RigId, Texture};
+use bytemuck::Zeroable;
 use std::collections::HashMap;
 use std::sync::{Arc, Weak};
 use wgpu::{BindGroup, Buffer, BufferUsages};
@@ -21,8 +23,22 @@ pub(super) struct GpuMesh {
     pub vertex_count: u32,
     pub index_count: u32,
     pub indices: Buffer,
-    /// What the skin stage reads: bind vertices, where influences start, influences.
+    /// What the skin stage reads: bind vertices, influences, morph displacements.
     pub bind_group: BindGroup,
+    pub texturing: Option<Texturing>,
+}
+
+/// A mesh's texture and where on it each vertex lies.
+pub(super) struct Texturing {
+    pub texcoords: Buffer,
+    pub bind_group: BindGroup,
+}
+
+/// How what is uploaded will be bound.
+#[derive(Clone, Copy)]
+pub(super) struct Layouts<'a> {
+    pub mesh: &'a wgpu::BindGroupLayout,
+    pub textures: &'a TextureBinding,
 }
 
 /// Rigs on the device, uploaded when first drawn, dropped when nobody holds them any more.
@@ -32,10 +48,10 @@ pub(super) struct Uploads {
 }
 
 impl Uploads {
-    pub fn upload(&mut self, device: &Device, layout: &wgpu::BindGroupLayout, rig: &Arc<Rig>) {
+    pub fn upload(&mut self, device: &Device, layouts: Layouts<'_>, rig: &Arc<Rig>) {
         self.rigs
             .entry(rig.id())
-            .or_insert_with(|| GpuRig::upload(device, layout, rig));
+            .or_insert_with(|| GpuRig::upload(device, layouts, rig));
     }
 
     /// A rig that was [uploaded](Self::upload).
@@ -60,51 +76,95 @@ impl Uploads {
 }
 
 impl GpuRig {
-    fn upload(device: &Device, layout: &wgpu::BindGroupLayout, rig: &Arc<Rig>) -> Self {
+    fn upload(device: &Device, layouts: Layouts<'_>, rig: &Arc<Rig>) -> Self {
         let meshes = rig
             .meshes()
             .iter()
             .enumerate()
             .filter(|(_, mesh)| mesh.vertex_count() > 0);
-        let meshes: Vec<_> = meshes
-            .map(|(index, mesh)| GpuMesh::upload(device, layout, index, mesh))
+        let textures: Vec<_> = rig
+            .materials()
+            .iter()
+            .map(|material| {
+                let texture = material.texture.as_ref()?;
+                Some(layouts.textures.upload(device, texture))
+            })
             .collect();
-        let bytes = rig.meshes().iter().map(mesh_bytes).sum();
+        let meshes: Vec<_> = meshes
+            .map(|(index, mesh)| {
+                let texture = mesh
+                    .material()
+                    .and_then(|material| textures[material].clone());
+                let texturing = mesh
+                    .texcoords()
+                    .zip(texture)
+                    .map(|(texcoords, bind_group)| {
+                        let usage = BufferUsages::VERTEX;
+                        Texturing {
+                            texcoords: filled(device, "upload.texcoords", usage, texcoords),
+                            bind_group,
+                        }
+                    });
+                GpuMesh {
+                    texturing,
+                    ..GpuMesh::upload(device, layouts.mesh, index, mesh)
+                }
+            })
+            .collect();
+        let of_meshes: u64 = rig.meshes().iter().map(mesh_bytes).sum();
+        let textures = rig.materials().iter().flat_map(|m| &m.texture);
+        let of_textures: u64 = textures.map(|texture| texture_bytes(texture)).sum();
         Self {
             meshes,
             rig: Arc::downgrade(rig),
-            bytes,
+            bytes: of_meshes + of_textures,
         }
     }
 }
 
 fn mesh_bytes(mesh: &Mesh) -> u64 {
-    let words =
-        6 * mesh.vertex_count() + mesh.influence_starts().len() + 2 * mesh.influences().len();
+    let words = 6 * mesh.vertex_count()
+        + mesh.influence_starts().len()
+        + 2 * mesh.influences().len()
+        + mesh.vertex_count()
+        + 7 * mesh.morph_displacements().len()
+        + mesh.texcoords().map_or(0, |texcoords| 2 * texcoords.len());
     4 * (words + 3 * mesh.triangles().len()) as u64
 }
 
+fn texture_bytes(texture: &Texture) -> u64 {
+    let levels = texture.levels().iter();
+    levels
+        .map(|level| size_of_val(level.texels.as_slice()) as u64)
+        .sum()
+}
+
 impl GpuMesh {
+    /// Without its texture.
     fn upload(device: &Device, layout: &wgpu::BindGroupLayout, index: usize, mesh: &Mesh) -> Self {
-        let storage = BufferUsages::STORAGE;
+        let stored = BufferUsages::STORAGE;
         let bind_vertices = [mesh.positions(), mesh.normals()].concat();
-        let bind_vertices = filled(device, "upload.bind_vertices", storage, &bind_vertices);
-        let starts = filled(
-            device,
-            "upload.influence_starts",
-            storage,
-            mesh.influence_starts(),
-        );
-        let influences = filled(device, "upload.influences", storage, mesh.influences());
-        let indices = filled(
-            device,
-            "upload.indices",
-            BufferUsages::INDEX,
-            mesh.draw_triangles(),
-        );
-        let entries = [&bind_vertices, &starts, &influences];
+        // A shader has no way to be given nothing.
+        let no_starts = vec![0u32; mesh.vertex_count() + 1];
+        let nothing = [MorphDisplacement::zeroed()];
+        let (morph_starts, displacements) = match mesh.morph_starts() {
+            [] => (no_starts.as_slice(), nothing.as_slice()),
+            starts => (starts, mesh.morph_displacements()),
+        };
+        let entries = [
+            filled(device, "upload.bind_vertices", stored, &bind_vertices),
+            filled(
+                device,
+                "upload.influence_starts",
+                stored,
+                mesh.influence_starts(),
+            ),
+            filled(device, "upload.influences", stored, mesh.influences()),
+            filled(device, "upload.morph_starts", stored, morph_starts),
+            filled(device, "upload.morph_displacements", stored, displacements),
+        ];
         let entries: Vec<_> = (0u32..)
-            .zip(entries)
+            .zip(&entries)
             .map(|(binding, buffer)| wgpu::BindGroupEntry {
                 binding,
                 resource: buffer.as_entire_binding(),
@@ -119,8 +179,14 @@ impl GpuMesh {
             index,
             vertex_count: mesh.vertex_count() as u32,
             index_count: 3 * mesh.draw_triangles().len() as u32,
-            indices,
+            indices: filled(
+                device,
+                "upload.indices",
+                BufferUsages::INDEX,
+                mesh.draw_triangles(),
+            ),
             bind_group: device.device.create_bind_group(&descriptor),
+            texturing: None,
         }
     }
 }

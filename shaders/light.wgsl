@@ -1,0 +1,26 @@
+// The lighting equation, Blinn-Phong; it stands in words in `render/plan.rs`. For every stage that draws lit surfaces.
+
+@group(0) @binding(0) var<uniform> view: View;
+
+fn blinn_phong(p: vec3<f32>, n: vec3<f32>, back_to_eye: vec3<f32>, diffuse: vec3<f32>) -> vec3<f32> {
+    var color = view.ambient * diffuse;
+    for (var i = 0u; i < view.light_count; i++) {
+        let light = view.lights[i];
+        let to_light = light.toward_or_position.xyz - p * light.toward_or_position.w;
+        let distance_squared = dot(to_light, to_light);
+        // A point that the light itself sits on is lit from nowhere.
+        let l = to_light * select(0.0, inverseSqrt(distance_squared), distance_squared > 0.0);
+        let n_dot_l = dot(n, l);
+        if n_dot_l > 0.0 {
+            let falloff = select(1.0, max(distance_squared, view.least_distance_squared), light.radiance.w == 1.0);
+            let halfway = l + back_to_eye;
+            let halfway_squared = dot(halfway, halfway);
+            let h = halfway * select(0.0, inverseSqrt(halfway_squared), halfway_squared > 0.0);
+            let n_dot_h = max(dot(n, h), 0.0);
+            // pow(0, 0) is undefined in WGSL; an exponent of 0 means 1 everywhere.
+            let highlight = select(pow(n_dot_h, view.shininess), 1.0, view.shininess == 0.0);
+            color += light.radiance.rgb / falloff * (diffuse * n_dot_l + view.specular * highlight);
+        }
+    }
+    return clamp(color, vec3(0.0), vec3(1.0));
+}

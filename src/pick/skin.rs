@@ -1,0 +1,240 @@
+//! Rays against skinned triangles. Never lives here: skinning.
+//!
+//! The test is that of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection" (2013): space is sheared so that the ray becomes an
+//! axis, and a triangle is met where the origin lies inside its shadow. A corner falls to the same place for every triangle that
+//! shares it, and the side of an edge is exact, so that no ray slips between two triangles.
+
+use super::{Hit, Skin, What};
+use crate::frame::SkinnedVertices;
+use crate::rig::{Influence, Mesh, Rig};
+use crate::scene::Ray;
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+pub(super) fn nearest(ray: &Ray, skin: Skin) -> Option<Hit> {
+    let sheared = Sheared::new(ray);
+    let mut reach = *ray;
+    let mut nearest = None;
+    for (index, (mesh, vertices)) in skin.rig.meshes().iter().zip(skin.meshes).enumerate() {
+        let Some(positions) = vertices.positions.as_deref() else {
+            continue;
+        };
+        let (positions, _) = positions.as_chunks();
+        if let Some(met) = sheared.nearest(&reach, mesh.triangles(), positions) {
+            // Of the meshes after this one only what is nearer still counts.
+
+            nearest = Some((index, mesh, vertices, met));
+        }
+    }
+    let (index, mesh, vertices, met) = nearest?;
+    Some(Hit {
+        distance: met.distance,
+        position: ray.at(met.distance),
+        what: What::Skin {
+            mesh: index,
+            triangle: met.triangle,
+            barycentric: met.barycentric,
+            normal: normal(ray, mesh, vertices, &met),
+            joint: heaviest_joint(skin.rig, mesh, &met),
+        },
+    })
+}
+
+/// Where a ray meets a triangle of a mesh.
+#[derive(Debug, Clone, Copy)]
+struct Met {
+    distance: f64,
+    triangle: usize,
+    barycentric: [f64; 3],
+    /// Half of its length is the area of the triangle, in world space; its direction is that of the file's winding. Not zero.
+    area_vector: DVec3,
+}
+
+/// The space in which a ray runs up the z axis from the origin.
+struct Sheared {
+    origin: DVec3,
+    /// Indices of world axes: the last is the one that the ray runs along most.
+    axes: [usize; 3],
+    /// What x and y change by for one of z.
+    slope: [f64; 2],
+    /// Distances along the ray for one of z.
+    stretch: f64,
+}
+
+impl Sheared {
+    fn new(ray: &Ray) -> Self {
+        let steepness = ray.direction.abs();
+        let z = if steepness.x > steepness.y.max(steepness.z) {
+            0
+        } else if steepness.y > steepness.z {
+            1
+        } else {
+            2
+        };
+        let axes @ [x, y, z] = [(z + 1) % 3, (z + 2) % 3, z];
+        let direction = ray.direction;
+        Self {
+            origin: ray.origin,
+            axes,
+            slope: [direction[x] / direction[z], direction[y] / direction[z]],
+            stretch: 1.0 / direction[z],
+        }
+    }
+
+    fn nearest(&self, reach: &Ray, triangles: &[[u32; 3]], positions: &[[f32; 3]]) -> Option<Met> {
+        let mut reach = *reach;
+        let mut nearest = None;
+        for (triangle, corners) in triangles.iter().enumerate() {
+            let Some(corners) = corners_of(positions, corners) else {
+                continue;
+            };
+            let Some((distance, barycentric)) = self.crossing(corners.map(|at| self.place(at)))
+            else {
+                continue;
+            };
+            if !reach.reaches(distance) {
+                continue;
+            }
+            let area_vector = area_vector(corners);
+            // Rounding can make a needle of what is a line in the file; it has no side to be seen from.
+            if area_vector == DVec3::ZERO {
+                continue;
+            }
+            reach.to = distance.next_down();
+            nearest = Some(Met {
+                distance,
+                triangle,
+                barycentric,
+                area_vector,
+            });
+        }
+        nearest
+    }
+
+    fn place(&self, position: [f32; 3]) -> DVec3 {
+        let [x, y, z] = self
+            .axes
+            .map(|axis| f64::from(position[axis]) - self.origin[axis]);
+        DVec3::new(x - self.slope[0] * z, y - self.slope[1] * z, z)
+    }
+
+    /// Distance along the ray and shares of the corners, for a triangle that has an area as the ray sees it. Edges and corners belong to
+    /// it.
+    fn crossing(&self, [a, b, c]: [DVec3; 3]) -> Option<(f64, [f64; 3])> {
+        let is_aside = |a: f64, b: f64, c: f64| {
+            (a > 0.0 && b > 0.0 && c > 0.0) || (a < 0.0 && b < 0.0 && c < 0.0)
+        };
+        // Nearly all triangles of a mesh end here.
+        if is_aside(a.x, b.x, c.x) || is_aside(a.y, b.y, c.y) {
+            return None;
+        }
+        let sides = [wedge(b, c), wedge(c, a), wedge(a, b)];
+        let [u, v, w] = sides;
+        let is_inside =
+            sides.iter().all(|&side| side >= 0.0) || sides.iter().all(|&side| side <= 0.0);
+        let sum = u + v + w;
+        if !is_inside || sum == 0.0 {
+            return None;
+        }
+        let barycentric @ [u, v, w] = sides.map(|side| side / sum);
+        Some(((u * a.z + v * b.z + w * c.z) * self.stretch, barycentric))
+    }
+}
+
+/// `None` where there are fewer positions than the mesh has.
+fn corners_of(positions: &[[f32; 3]], &[a, b, c]: &[u32; 3]) -> Option<[[f32; 3]; 3]> {
+    let at = |corner: u32| positions.get(corner as usize).copied();
+    Some([at(a)?, at(b)?, at(c)?])
+}
+
+fn area_vector(corners: [[f32; 3]; 3]) -> DVec3 {
+    let [a, b, c] = corners.map(|corner| DVec3::from_array(corner.map(f64::from)));
+    (b - a).cross(c - a)
+}
+
+/// On which side of the line from the origin to `a` the point `b` stands: `a.x·b.y − a.y·b.x`, its sign exact.
+fn wedge(a: DVec3, b: DVec3) -> f64 {
+    let (left, right) = (a.x * b.y, a.y * b.x);
+    let difference = left - right;
+    // Each product is off by less than an epsilon of itself, so that a larger difference has its sign right.
+    if difference.abs() > 2.0 * f64::EPSILON * (left.abs() + right.abs()) {
+        return difference;
+    }
+    // Kahan's difference of products, off by at most 1.5 units in the last place (Jeannerod, Louvet and Muller, 2013).
+    let lost = (-a.y).mul_add(b.x, right);
+    a.x.mul_add(b.y, -right) + lost
+}
+
+/// Interpolated where there are normals and they do not cancel out, else the triangle's own. Which side of the triangle is seen decides
+/// its sign, as it does where the skin is lit: near an outline an interpolated normal may well lean away from the viewer.
+fn normal(ray: &Ray, mesh: &Mesh, vertices: &SkinnedVertices, met: &Met) -> DVec3 {
+    let toward_viewer = if met.area_vector.dot(ray.direction) > 0.0 {
+        -met.area_vector
+    } else {
+        met.area_vector
+    };
+    let (normals, _) = vertices.normals.as_deref().unwrap_or_default().as_chunks();
+    let interpolated = corners_of(normals, &mesh.triangles()[met.triangle]).and_then(|corners| {
+        let corners = corners.map(|normal| DVec3::from_array(normal.map(f64::from)));
+        let shared = corners.into_iter().zip(met.barycentric);
+        shared
+            .map(|(normal, share)| normal * share)
+            .sum::<DVec3>()
+            .try_normalize()
+    });
+    match interpolated {
+        Some(normal) if normal.dot(toward_viewer) < 0.0 => -normal,
+        Some(normal) => normal,
+        None => toward_viewer.normalize_or_zero(),
+    }
+}
+
+fn heaviest_joint(rig: &Rig, mesh: &Mesh, met: &Met) -> Option<usize> {
+    let mut weights: BTreeMap<usize, f64> = BTreeMap::new();
+    for (corner, share) in mesh.triangles()[met.triangle]
+        .into_iter()
+        .zip(met.barycentric)
+    {
+        for &Influence { binding, weight } in mesh.influences_of(corner as usize) {
+            if let Some(joint) = rig.bindings()[binding as usize].joint {
+                *weights.entry(joint).or_default() += share * f64::from(weight);
+            }
+        }
+    }
+    let heavier = |first: (usize, f64), second: (usize, f64)| {
+        if second.1 > first.1 { second } else { first }
+    };
+    let weigh_something = weights.into_iter().filter(|&(_, weight)| weight > 0.0);
+    weigh_something.reduce(heavier).map(|(joint, _)| joint)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pick::random::Random;
+
+    #[test]
+    fn the_side_of_an_edge_is_exact() {
+        let mut random = Random::new(5);
+        let mut rounded_wrong = 0;
+        for _ in 0..20_000 {
+            // Whole numbers of up to 52 bits, `b` as nearly in line with `a` as whole numbers can be.
+            let whole = |share: f64| (share * 4e15) as i64;
+            let [a_x, a_y] = [whole(random.number()), whole(random.number())];
+            let near = |number: i64, share: f64| (number as f64 * share) as i64;
+            let share = random.number();
+            let [b_x, b_y] = [near(a_x, share), near(a_y, share)];
+            let exact = i128::from(a_x) * i128::from(b_y) - i128::from(a_y) * i128::from(b_x);
+            let [a_x, a_y, b_x, b_y] = [a_x, a_y, b_x, b_y].map(|number| number as f64);
+            let (a, b) = (DVec3::new(a_x, a_y, 1.0), DVec3::new(b_x, b_y, 1.0));
+            let sign = |number: f64| number.partial_cmp(&0.0);
+            assert_eq!(sign(wedge(a, b)), Some(exact.cmp(&0)), "{a} {b}");
+            assert_eq!(sign(wedge(b, a)), Some(0.cmp(&exact)), "{b} {a}");
+            rounded_wrong += usize::from(sign(a_x * b_y - a_y * b_x) != Some(exact.cmp(&0)));
+        }
+        assert!(
+            rounded_wrong > 10,
+            "plain arithmetic is tried too: {rounded_wrong}"
+        );
+    }
+}
