@@ -89,7 +89,7 @@ fn the_files_used_here_are_sound() {
         loaded.rig.materials()[0]
             .texture
             .as_ref()
-            .map(|it| it.encoded.len()),
+            .map(|it| it.levels().len()),
         Some(2)
     );
     assert_eq!(

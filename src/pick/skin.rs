@@ -1,18 +1,18 @@
 //! Rays against skinned triangles. Never lives here: skinning.
 //!
-//! The test is that of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection" (2013): space is sheared so that the ray becomes an
-//! axis, and a triangle is met where the origin lies inside its shadow. A corner falls to the same place for every triangle that
-//! shares it, and the side of an edge is exact, so that no ray slips between two triangles.
+//! The test is that of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection" (2013): space is sheared so that the ray becomes the
+//! z axis, and a triangle is met where its shadow on the xy plane covers the origin. A corner's shadow is the same for every triangle
+//! that shares it, and the side of an edge is exact, so that no ray slips between two triangles.
 
 use super::{Hit, Skin, What};
 use crate::frame::SkinnedVertices;
 use crate::rig::{Influence, Mesh, Rig};
 use crate::scene::Ray;
-use glam::DVec3;
+use glam::{DMat3, DVec3, Vec3};
 use std::collections::BTreeMap;
 
 pub(super) fn nearest(ray: &Ray, skin: Skin) -> Option<Hit> {
-    let sheared = Sheared::new(ray);
+    let ray_space = RaySpace::new(ray);
     let mut reach = *ray;
     let mut nearest = None;
     for (index, (mesh, vertices)) in skin.rig.meshes().iter().zip(skin.meshes).enumerate() {
@@ -20,9 +20,9 @@ pub(super) fn nearest(ray: &Ray, skin: Skin) -> Option<Hit> {
             continue;
         };
         let (positions, _) = positions.as_chunks();
-        if let Some(met) = sheared.nearest(&reach, mesh.triangles(), positions) {
+        if let Some(met) = ray_space.nearest(&reach, mesh.triangles(), positions) {
             // Of the meshes after this one only what is nearer still counts.
-
+            reach.to = met.distance.next_down();
             nearest = Some((index, mesh, vertices, met));
         }
     }
@@ -50,34 +50,22 @@ struct Met {
     area_vector: DVec3,
 }
 
-/// The space in which a ray runs up the z axis from the origin.
-struct Sheared {
+/// The space in which a ray runs up the z axis from the origin, and z is the distance along it.
+struct RaySpace {
     origin: DVec3,
-    /// Indices of world axes: the last is the one that the ray runs along most.
-    axes: [usize; 3],
-    /// What x and y change by for one of z.
-    slope: [f64; 2],
-    /// Distances along the ray for one of z.
-    stretch: f64,
+    ray_from_world: DMat3,
 }
 
-impl Sheared {
+impl RaySpace {
     fn new(ray: &Ray) -> Self {
-        let steepness = ray.direction.abs();
-        let z = if steepness.x > steepness.y.max(steepness.z) {
-            0
-        } else if steepness.y > steepness.z {
-            1
-        } else {
-            2
-        };
-        let axes @ [x, y, z] = [(z + 1) % 3, (z + 2) % 3, z];
-        let direction = ray.direction;
+        let steepest = ray.direction.abs().max_position();
+        let [x, y, z] = [1, 2, 0].map(|after| DVec3::AXES[(steepest + after) % 3]);
+        let [across, up, ahead] = [x, y, z].map(|axis| axis.dot(ray.direction));
+        // Sheared and not turned: what is level with an axis stays exactly so, and a floor seen edge-on is a line.
+        let rows = [x - z * (across / ahead), y - z * (up / ahead), z / ahead];
         Self {
             origin: ray.origin,
-            axes,
-            slope: [direction[x] / direction[z], direction[y] / direction[z]],
-            stretch: 1.0 / direction[z],
+            ray_from_world: DMat3::from_cols(rows[0], rows[1], rows[2]).transpose(),
         }
     }
 
@@ -112,10 +100,7 @@ impl Sheared {
     }
 
     fn place(&self, position: [f32; 3]) -> DVec3 {
-        let [x, y, z] = self
-            .axes
-            .map(|axis| f64::from(position[axis]) - self.origin[axis]);
-        DVec3::new(x - self.slope[0] * z, y - self.slope[1] * z, z)
+        self.ray_from_world * (in_f64(position) - self.origin)
     }
 
     /// Distance along the ray and shares of the corners, for a triangle that has an area as the ray sees it. Edges and corners belong to
@@ -130,14 +115,13 @@ impl Sheared {
         }
         let sides = [wedge(b, c), wedge(c, a), wedge(a, b)];
         let [u, v, w] = sides;
-        let is_inside =
-            sides.iter().all(|&side| side >= 0.0) || sides.iter().all(|&side| side <= 0.0);
+        let is_inside = sides.iter().all(|&side| side >= 0.0);
         let sum = u + v + w;
         if !is_inside || sum == 0.0 {
             return None;
         }
         let barycentric @ [u, v, w] = sides.map(|side| side / sum);
-        Some(((u * a.z + v * b.z + w * c.z) * self.stretch, barycentric))
+        Some((u * a.z + v * b.z + w * c.z, barycentric))
     }
 }
 
@@ -148,8 +132,12 @@ fn corners_of(positions: &[[f32; 3]], &[a, b, c]: &[u32; 3]) -> Option<[[f32; 3]
 }
 
 fn area_vector(corners: [[f32; 3]; 3]) -> DVec3 {
-    let [a, b, c] = corners.map(|corner| DVec3::from_array(corner.map(f64::from)));
+    let [a, b, c] = corners.map(in_f64);
     (b - a).cross(c - a)
+}
+
+fn in_f64(vector: [f32; 3]) -> DVec3 {
+    Vec3::from_array(vector).as_dvec3()
 }
 
 /// On which side of the line from the origin to `a` the point `b` stands: `a.x·b.y − a.y·b.x`, its sign exact.
@@ -175,8 +163,7 @@ fn normal(ray: &Ray, mesh: &Mesh, vertices: &SkinnedVertices, met: &Met) -> DVec
     };
     let (normals, _) = vertices.normals.as_deref().unwrap_or_default().as_chunks();
     let interpolated = corners_of(normals, &mesh.triangles()[met.triangle]).and_then(|corners| {
-        let corners = corners.map(|normal| DVec3::from_array(normal.map(f64::from)));
-        let shared = corners.into_iter().zip(met.barycentric);
+        let shared = corners.map(in_f64).into_iter().zip(met.barycentric);
         shared
             .map(|(normal, share)| normal * share)
             .sum::<DVec3>()
