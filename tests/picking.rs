@@ -35,7 +35,8 @@ fn picked(request: &Value, pixel: [f64; 2], changes: Value) -> Value {
 }
 
 fn numbers<const N: usize>(value: &Value) -> [f64; N] {
-    serde_json::from_value(value.clone()).unwrap_or_else(|error| panic!("{value}: {error}"))
+    let numbers: Vec<f64> = serde_json::from_value(value.clone()).expect("a list of numbers");
+    numbers.try_into().expect("as many as wanted")
 }
 
 fn cameras() -> [(&'static str, Value); 4] {

@@ -1,11 +1,24 @@
-//! The rig that is there when no file is given: a figure of the project's own, written by `assets/figure.rs`.
+//! The rig that is there when no file is given: a figure of the project's own, written by `assets/figure`.
 
 use crate::formats::{File, FileRef};
 use std::path::Path;
 
-const NAME: &str = "figure";
-const SKEL: &[u8] = include_bytes!("../../assets/figure.skel");
-const SKIN: &[u8] = include_bytes!("../../assets/figure.skin");
+macro_rules! assets {
+    ($($name:literal),* $(,)?) => {
+        [$(($name, include_bytes!(concat!("../../assets/", $name)).as_slice())),*]
+    };
+}
+
+/// The list of files comes first, for the rig has its name.
+const FIGURE: [(&str, &[u8]); 7] = assets![
+    "figure.rig",
+    "figure.skel",
+    "figure.skin",
+    "figure.png",
+    "smile.morph",
+    "blink.morph",
+    "walk.anim",
+];
 
 /// The files to work with: those named, else test.skel and test.skin of the current folder, else the built-in figure.
 pub(super) fn files_or_default(named: &[String]) -> Vec<FileRef> {
@@ -19,10 +32,10 @@ pub(super) fn files_or_default(named: &[String]) -> Vec<FileRef> {
     if !tests.is_empty() {
         return tests;
     }
-    [("skel", SKEL), ("skin", SKIN)]
-        .map(|(extension, bytes)| {
+    FIGURE
+        .map(|(name, bytes)| {
             FileRef::Inline(File {
-                name: format!("{NAME}.{extension}"),
+                name: name.to_owned(),
                 bytes: bytes.into(),
             })
         })

@@ -6,7 +6,7 @@ use super::text::Place;
 use crate::rig::Warnings;
 use std::cell::Cell;
 
-/// A word, a brace, or the empty text at the end of the file.
+/// A word, a brace, the end of a line where lines are asked for, or the empty text at the end of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Token<'a> {
     pub text: &'a str,
@@ -19,14 +19,23 @@ impl Token<'_> {
         self.text.is_empty()
     }
 
+    /// Whether the line, or the file with it, ends here: only [`Lexer::next_in_line`] tells of lines.
+    pub(super) fn ends_line(self) -> bool {
+        self.is_end() || self.text.starts_with(LINE_ENDS)
+    }
+
     fn described(self) -> String {
         if self.is_end() {
             "the end of the file".to_owned()
+        } else if self.ends_line() {
+            "the end of the line".to_owned()
         } else {
             quoted(self.text)
         }
     }
 }
+
+const LINE_ENDS: [char; 2] = ['\n', '\r'];
 
 /// Walks over a text. Every byte up to the space separates words, so that no kind of line end is special; braces are words of
 /// their own also where they are glued to one.
@@ -90,6 +99,24 @@ impl<'a> Lexer<'a> {
         }
     }
 
+    /// [`Lexer::next`] where lines count: the end of the line is a token of its own, whichever kind it is of, and what comes after
+    /// it belongs to the next line.
+    pub(super) fn next_in_line(&mut self) -> Token<'a> {
+        let rest = &self.text.as_bytes()[self.at..];
+        let is_blank = |byte: &&u8| **byte <= b' ' && !matches!(byte, b'\r' | b'\n');
+        let start = self.at + rest.iter().take_while(is_blank).count();
+        let end = match self.text.as_bytes()[start..] {
+            [b'\r', b'\n', ..] => start + 2,
+            [b'\r' | b'\n', ..] => start + 1,
+            _ => return self.next(),
+        };
+        self.at = end;
+        Token {
+            text: &self.text[start..end],
+            offset: start,
+        }
+    }
+
     pub(super) fn peek(&self) -> Token<'a> {
         self.clone().next()
     }
@@ -107,6 +134,15 @@ impl<'a> Lexer<'a> {
     /// A finite number that a 32-bit float can hold: `.5`, `+1` and exponents are fine. `place` says where one is wanted: `after …`.
     pub(super) fn number(&mut self, place: impl Fn() -> String) -> Result<f64, FileFault> {
         let token = self.next();
+        self.number_at(token, place)
+    }
+
+    /// What [`Lexer::number`] makes of a word that has been taken.
+    pub(super) fn number_at(
+        &self,
+        token: Token,
+        place: impl Fn() -> String,
+    ) -> Result<f64, FileFault> {
         let Some(number) = parse_number(token.text) else {
             return Err(self.fault(token, format!("a number {}", place())));
         };
@@ -286,6 +322,30 @@ mod tests {
         let mut lexer = Lexer::new("a", "x ");
         lexer.next();
         assert!(lexer.next().is_end() && lexer.next().is_end());
+    }
+
+    #[test]
+    fn every_kind_of_line_end_is_a_token_where_lines_are_asked_for() {
+        let mut lexer = Lexer::new("a", "a\t b \r\n\rc\x0b{\n\n d");
+        let tokens = [(); 10].map(|()| lexer.next_in_line());
+        assert_eq!(
+            tokens.map(|token| token.text),
+            ["a", "b", "\r\n", "\r", "c", "{", "\n", "\n", "d", ""]
+        );
+        for token in tokens {
+            assert_eq!(token.ends_line(), token.text.trim().is_empty(), "{token:?}");
+        }
+    }
+
+    #[test]
+    fn a_number_that_the_line_lacks_is_told_where_the_line_ends() {
+        let mut lexer = Lexer::new("a", "1\n2 \r\n3");
+        (lexer.next(), lexer.next());
+        let end = lexer.next_in_line();
+        let found = lexer.number_at(end, || "here".to_owned());
+        let wanted = "a:2:3: expected a number here, but found the end of the line".to_owned();
+        assert_eq!(found.map_err(|fault| fault.to_string()), Err(wanted));
+        assert_eq!(lexer.next().text, "3");
     }
 
     #[test]

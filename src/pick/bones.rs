@@ -29,9 +29,7 @@ pub(super) fn nearest(ray: &Ray, bones: Bones) -> Option<Hit> {
 fn crossing(ray: &Ray, from: DVec3, to: DVec3, radius: f64) -> Option<(f64, f64)> {
     let length = from.distance(to);
     let axis = (to - from).try_normalize()?;
-    // Distances are taken from the ray's point beside the bone: from a far eye, the squares below would leave nothing of the radius.
-    let beside = (from.midpoint(to) - ray.origin).dot(ray.direction);
-    let start = ray.at(beside) - from;
+    let start = ray.origin - from;
     let (start_along, along_rate) = (start.dot(axis), ray.direction.dot(axis));
     let [cap_in, cap_out] = between_caps(start_along, along_rate, length)?;
     let [wall_in, wall_out] = within_wall(
@@ -43,11 +41,9 @@ fn crossing(ray: &Ray, from: DVec3, to: DVec3, radius: f64) -> Option<(f64, f64)
     if enters > leaves {
         return None;
     }
-    let met = [enters, leaves]
-        .into_iter()
-        .find(|met| ray.reaches(beside + met))?;
+    let met = [enters, leaves].into_iter().find(|&met| ray.reaches(met))?;
     let along = (start_along + along_rate * met) / length;
-    Some((beside + met, along.clamp(0.0, 1.0)))
+    Some((met, along.clamp(0.0, 1.0)))
 }
 
 /// The stretch of a line, as far as it runs between two planes at heights 0 and `length`.
@@ -66,7 +62,7 @@ fn within_wall(start: DVec3, rate: DVec3, radius: f64) -> Option<[f64; 2]> {
         return (start.length() <= radius).then_some(EVERYWHERE);
     }
     let closest = -start.dot(rate) / rate_squared;
-    // By the distance at the closest point, not by b² - ac: that one loses half its digits where the line grazes the wall.
+    // By the distance at the closest point, not by b² − ac: seen from afar, both of those are so large that nothing is left of the radius.
     let squared_inside = radius * radius - (start + rate * closest).length_squared();
     let half = (squared_inside >= 0.0).then(|| (squared_inside / rate_squared).sqrt())?;
     Some([closest - half, closest + half])
@@ -157,6 +153,19 @@ mod tests {
         assert_eq!(upright(&cut), Some((3.5, 0.5)));
         for (from, to) in [(4.0, f64::INFINITY), (2.6, 3.4), (0.0, 2.4)] {
             assert_eq!(upright(&Ray { from, to, ..cut }), None, "{from} {to}");
+        }
+    }
+
+    #[test]
+    fn looking_along_a_bone_meets_its_end() {
+        // Neither direction is exact, so that the ray is nearly but not quite parallel to the bone.
+        let (from, to) = (v(0.3, -0.7, 0.2), v(1.7, 0.4, -0.9));
+        for (near, far, wanted) in [(from, to, 0.0), (to, from, 1.0)] {
+            let along_it = ray(near - (far - near) * 3.0, far - near);
+            let (distance, along) = crossing(&along_it, from, to, 0.1).expect("it is aimed at");
+            let wanted_distance = 3.0 * from.distance(to);
+            assert!((distance - wanted_distance).abs() < ROUNDING, "{distance}");
+            assert!((along - wanted).abs() < ROUNDING, "{along}");
         }
     }
 

@@ -2,8 +2,6 @@
 //! Never lives here: where rays come from, and what skins and poses.
 
 mod bones;
-#[cfg(test)]
-mod random;
 mod skin;
 
 use crate::frame::SkinnedVertices;
@@ -86,5 +84,7 @@ fn nearer(first: Hit, second: Hit) -> Hit {
     }
 }
 
+#[cfg(test)]
+mod random;
 #[cfg(test)]
 mod tests;

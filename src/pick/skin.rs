@@ -115,7 +115,8 @@ impl RaySpace {
         }
         let sides = [wedge(b, c), wedge(c, a), wedge(a, b)];
         let [u, v, w] = sides;
-        let is_inside = sides.iter().all(|&side| side >= 0.0);
+        let is_inside =
+            sides.iter().all(|&side| side >= 0.0) || sides.iter().all(|&side| side <= 0.0);
         let sum = u + v + w;
         if !is_inside || sum == 0.0 {
             return None;
@@ -223,5 +224,88 @@ mod tests {
             rounded_wrong > 10,
             "plain arithmetic is tried too: {rounded_wrong}"
         );
+    }
+
+    fn ray(origin: DVec3, toward: DVec3) -> Ray {
+        Ray {
+            origin,
+            direction: toward.normalize_or_zero(),
+            from: 0.0,
+            to: f64::INFINITY,
+        }
+    }
+
+    /// A closed surface about the origin: an octahedron, each triangle split in four `depth` times, pushed onto a sphere of radius 1.
+    fn ball(depth: usize) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let mut triangles: Vec<[Vec3; 3]> = Vec::new();
+        for x in [Vec3::X, Vec3::NEG_X] {
+            for y in [Vec3::Y, Vec3::NEG_Y] {
+                triangles.extend([Vec3::Z, Vec3::NEG_Z].map(|z| [x, y, z]));
+            }
+        }
+        for _ in 0..depth {
+            triangles = triangles
+                .iter()
+                .flat_map(|&[a, b, c]| {
+                    let [ab, bc, ca] = [a + b, b + c, c + a].map(|sum| sum.normalize_or_zero());
+                    [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+                })
+                .collect();
+        }
+        // Corners that triangles share are one vertex, as in a file.
+        let mut positions: Vec<Vec3> = Vec::new();
+        let mut index_of = |corner: Vec3| {
+            let known = positions.iter().position(|&position| position == corner);
+            known.unwrap_or_else(|| {
+                positions.push(corner);
+                positions.len() - 1
+            }) as u32
+        };
+        let triangles = triangles
+            .iter()
+            .map(|corners| corners.map(&mut index_of))
+            .collect();
+        (positions, triangles)
+    }
+
+    #[test]
+    fn no_ray_slips_into_or_out_of_a_closed_surface() {
+        let (positions, triangles) = ball(3);
+        let corners: Vec<[f32; 3]> = positions.iter().map(Vec3::to_array).collect();
+        let met = |ray: &Ray| RaySpace::new(ray).nearest(ray, &triangles, &corners);
+        let mut random = Random::new(2);
+        // Corners, edges cut at exact and inexact points, and the inside of triangles, as seen from without and from within.
+        let mut aims = Vec::new();
+        for corners in &triangles {
+            let [a, b, c] = corners.map(|corner| positions[corner as usize].as_dvec3());
+            let share = random.number();
+            aims.extend([a, b, c, a.midpoint(b), b.lerp(c, share), (a + b + c) / 3.0]);
+        }
+        let inner = DVec3::new(0.11, -0.2, 0.07);
+        let mut rays = 0;
+        for &aim in &aims {
+            for _ in 0..4 {
+                let from_within = ray(inner + random.point() * 0.3, aim - inner);
+                assert!(met(&from_within).is_some(), "out of it: {from_within:?}");
+                // Straight in: through the aimed at point, whatever side it is seen from, the surface is closed around the ray.
+                let origin = aim + (aim + random.point() * 0.3) * 3.0;
+                let from_without = ray(origin, aim * 0.999_999 - origin);
+                assert!(met(&from_without).is_some(), "into it: {from_without:?}");
+                rays += 2;
+            }
+            let exactly_there = ray(inner, aim - inner);
+            assert!(met(&exactly_there).is_some(), "at {aim}: {exactly_there:?}");
+            rays += 1;
+        }
+        // And a grid of parallel rays that lie in the planes of symmetry, where edges line up with them.
+        for x in -16..=16 {
+            for y in -16..=16 {
+                let at = DVec3::new(f64::from(x) / 24.0, f64::from(y) / 24.0, 4.0);
+                let met = met(&ray(at, DVec3::NEG_Z)).expect("it is in the way");
+                assert!((3.0..4.0).contains(&met.distance), "{met:?}");
+                rays += 1;
+            }
+        }
+        assert!(rays > 28_000, "{rays}");
     }
 }

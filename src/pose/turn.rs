@@ -89,18 +89,18 @@ mod tests {
     const SKEW: DVec3 = DVec3::new(0.3, -2.0, 1.1);
 
     fn posed(joints: &[(Option<usize>, DVec3)], order: RotationOrder) -> Pose {
-        let joint = |&(parent, offset): &(Option<usize>, DVec3)| JointDraft {
+        let joint = |(index, &(parent, offset)): (usize, &(Option<usize>, DVec3))| JointDraft {
             name: String::new(),
             parent,
             offset,
             rotation_order: order,
-            rest_angles: DVec3::new(0.4, -0.9, 1.7),
+            rest_angles: DVec3::new(0.4, -0.9, 1.7) * (1.0 + 0.37 * index as f64),
             rotation_limits: [Limit::NONE; 3],
             translates: parent.is_none(),
             bounding_box: None,
         };
         let draft = Draft {
-            joints: joints.iter().map(joint).collect(),
+            joints: joints.iter().enumerate().map(joint).collect(),
             ..Draft::default()
         };
         Pose::rest(&Arc::new(
@@ -109,9 +109,11 @@ mod tests {
     }
 
     /// ```text
-    /// 0 - 1 - 2 - 3 - 4     3 stands where 2 does, 5 where 0 does
-    ///      \      6 hangs on 4 at no distance
-    ///       7     0, 5
+    /// 0 - 1 - 2 = 3 - 4 = 6      = no distance
+    /// ‖    \
+    /// 5     7 - 9
+    ///       ‖
+    ///       8
     /// ```
     fn tree(order: RotationOrder) -> Pose {
         let joints = [
@@ -123,6 +125,8 @@ mod tests {
             (Some(0), DVec3::ZERO),
             (Some(4), DVec3::ZERO),
             (Some(1), DVec3::new(-0.5, 0.7, 0.3)),
+            (Some(7), DVec3::ZERO),
+            (Some(7), DVec3::new(-0.1, 0.4, 0.0)),
         ];
         posed(&joints, order)
     }
@@ -152,7 +156,7 @@ mod tests {
                     assert!((rotation.length() - 1.0).abs() < 1e-15);
                     pose = with(&pose, 1, rotation);
                     let now = placed(&pose);
-                    for child in [2, 3, 4, 6, 7] {
+                    for child in [2, 3, 4, 6, 7, 8, 9] {
                         let was = before[1].inverse() * before[child];
                         let is = now[1].inverse() * now[child];
                         assert!(is.abs_diff_eq(was, ROUNDING), "{order:?} {space:?} {child}");
@@ -205,15 +209,15 @@ mod tests {
         for order in [RotationOrder::Xyz, RotationOrder::Zyx] {
             let start = tree(order);
             let before = placed(&start);
-            for (joint, first_child) in [(0, 1), (1, 2), (3, 4)] {
+            for (joint, child) in [(0, 1), (1, 2), (3, 4), (7, 9)] {
                 let axis = start.roll_axis(joint).expect("a bone");
                 let rolled = with(&start, joint, start.turned(joint, axis, 1.3, Space::Joint));
                 let after = placed(&rolled);
                 let moved = |at: usize| after[at].translation.distance(before[at].translation);
-                assert!(moved(first_child) < ROUNDING, "{order:?} {joint}");
+                assert!(moved(child) < ROUNDING, "{order:?} {joint}");
                 assert!(!after[joint].abs_diff_eq(before[joint], 0.1));
                 // The line from the joint to its child, not from the child to the joint.
-                let along = before[first_child].translation - before[joint].translation;
+                let along = before[child].translation - before[joint].translation;
                 assert!(along.dot(before[joint].matrix3 * axis) > 0.0);
             }
             let axis = start.roll_axis(1).expect("a bone");
@@ -232,7 +236,7 @@ mod tests {
             };
             // `(joint, the bone it rolls about)`: an end; one whose child is where it is; an end that is where its parent is; one where
             // the root is, whose parent has a child further on.
-            for (joint, (from, to)) in [(7, (1, 7)), (2, (1, 2)), (6, (3, 4)), (5, (0, 1))] {
+            for (joint, (from, to)) in [(9, (7, 9)), (2, (1, 2)), (6, (3, 4)), (5, (0, 1))] {
                 let axis = at[joint].matrix3 * pose.roll_axis(joint).expect("a bone");
                 let wanted = line(from, to);
                 assert!(

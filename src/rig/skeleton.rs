@@ -129,8 +129,8 @@ impl Skeleton {
         self.joints.iter().position(|joint| joint.name == name)
     }
 
-    /// How thick bones are drawn and picked, those apart that are short for it: positive, in the rig's units, whatever the pose.
-    /// `None` where no joint stands away from its parent, so that there is no bone to measure.
+    /// How thick bones are drawn and picked: a radius in the rig's units, positive, the same in every pose. Bones that are short for it
+    /// are drawn and picked thinner. `None` where no joint stands away from its parent, so that there is no bone to measure.
     pub fn bone_radius(&self) -> Option<f64> {
         self.bone_radius
     }

@@ -56,16 +56,24 @@ pub fn service_with(limits: Limits, source: Source) -> Arc<Service> {
 
 /// The files of the built-in figure.
 pub fn figure() -> Vec<FileRef> {
-    let file = |name: &str, bytes: &[u8]| {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/");
+    let names = [
+        "figure.rig",
+        "figure.skel",
+        "figure.skin",
+        "figure.png",
+        "smile.morph",
+        "blink.morph",
+        "walk.anim",
+    ];
+    let file = |name: &str| {
+        let bytes = std::fs::read(format!("{folder}{name}")).expect("an asset");
         FileRef::Inline(File {
             name: name.to_owned(),
             bytes: bytes.into(),
         })
     };
-    vec![
-        file("figure.skel", include_bytes!("../../assets/figure.skel")),
-        file("figure.skin", include_bytes!("../../assets/figure.skin")),
-    ]
+    names.map(file).into()
 }
 
 /// Where real rigs lie, which the project may not ship. `None`, and a line in the log, where they are absent.
