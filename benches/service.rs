@@ -6,9 +6,9 @@ use criterion::{Criterion, Throughput};
 use rigd::client::Client;
 use rigd::encode::{Compression, png};
 use rigd::engine::{Engine, LoadedRig, RendererChoice, Terms, Urgency};
-use rigd::formats::{File, FileRef, Source};
+use rigd::formats::Source;
 use rigd::limits::Limits;
-use rigd::pose::{Pose, Posed};
+use rigd::pose::{Pose, Posed, Skinning};
 use rigd::protocol::frame::FrameParams;
 use rigd::scene::{Background, Camera, Light, Orbit, Samples, Scene, Show, Size, Surface};
 use rigd::server::{Patience, Server};
@@ -32,18 +32,8 @@ fn open() -> (Engine, Arc<LoadedRig>) {
         require_gpu: false,
     };
     let engine = Engine::open(choice, Limits::default()).expect("a graphics adapter");
-    let file = |name: &str, bytes: &[u8]| {
-        FileRef::Inline(File {
-            name: name.to_owned(),
-            bytes: bytes.into(),
-        })
-    };
-    let files = [
-        file("figure.skel", include_bytes!("../assets/figure.skel")),
-        file("figure.skin", include_bytes!("../assets/figure.skin")),
-    ];
     let rig = engine
-        .load(None, &files, &Source::inline_only(), false)
+        .load(None, &rigd::cli::figure(), &Source::inline_only(), false)
         .expect("the figure loads");
     (engine, rig)
 }
@@ -75,11 +65,18 @@ fn bare(engine: &Engine, rig: &Arc<LoadedRig>, frames: u64) -> Duration {
             urgency: Urgency::default(),
             ticket,
         };
-        engine.render(rig, posed, scene.clone(), terms, move |result| {
-            let (frame, _) = result.expect("a frame");
-            let file = png(&frame, Compression::Fast).expect("a PNG");
-            sender.send(file.len()).expect("the loop waits");
-        });
+        engine.render(
+            rig,
+            posed,
+            Skinning::Linear,
+            scene.clone(),
+            terms,
+            move |result| {
+                let (frame, _) = result.expect("a frame");
+                let file = png(&frame, Compression::Fast).expect("a PNG");
+                sender.send(file.len()).expect("the loop waits");
+            },
+        );
     };
     let started = Instant::now();
     (0..IN_FLIGHT.min(frames)).for_each(start);

@@ -28,7 +28,42 @@ bindings 2 {
 \tmatrix {\n\t\t1 0 0\n\t\t0 1 0\n\t\t0 0 1\n\t\t0 2 0\n\t}
 }";
 
-const TEXTURE: (&str, &[u8]) = ("face.bmp", b"BM");
+const MORPH: &str = "\
+positions 2 {\n\t0 0 0 1\n\t2 0 2 0\n}
+normals 1 {\n\t2 0 1 0\n}";
+
+const ANIM: &str = "\
+animation {
+\trange 0 1.5
+\tnumchannels 9
+\tchannel 0 {\n\t\textrapolate constant bounce\n\t\tkeys 2 {\n\t\t\t0 1 smooth flat\n\t\t\t1 2 -.5 linear\n\t\t}\n\t}
+\tchannel { keys 0 { } }\n\tchannel { keys 0 { } }\n\tchannel { keys 0 { } }\n\tchannel { keys 0 { } }
+\tchannel { keys 0 { } }\n\tchannel { keys 0 { } }\n\tchannel { keys 0 { } }\n\tchannel { keys 0 { } }
+}";
+
+const LIST: &str = "rig a {\n\tskeleton a.skel\n\tskin a.skin\n\tmorphs 1 {\n\t\ta.morph\n\t}\n}";
+
+/// One pixel: blue 1, green 2, red 3.
+const TEXTURE: (&str, &[u8]) = (
+    "face.bmp",
+    b"BM\x3a\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\x01\0\0\0\x01\0\0\0\x01\0\x18\0\0\0\0\0\x04\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x01\x02\x03\0",
+);
+
+const MIT_SKEL: &str = "0 0 0 -1\n0 1 0 0\n0 1 0 1\n";
+const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+const ATTACH: &str = "1 0\n0 1\n.5 .5\n";
+
+/// Every kind of file, each with the family that makes a whole character: files of a family are broken one at a time.
+const FAMILIES: [&[(&str, &str)]; 2] = [
+    &[
+        ("a.skel", SKEL),
+        ("a.skin", SKIN),
+        ("a.morph", MORPH),
+        ("a.anim", ANIM),
+        ("a.rig", LIST),
+    ],
+    &[("a.skel", MIT_SKEL), ("a.obj", OBJ), ("a.attach", ATTACH)],
+];
 
 fn inline(name: &str, bytes: &[u8]) -> FileRef {
     let (name, bytes) = (name.to_owned(), bytes.into());
@@ -74,14 +109,23 @@ fn assert_is_clear(fault: &FileFault, bytes: &[u8]) {
     );
 }
 
+/// A family with its picture, the bytes of one file replaced.
+fn with_broken<'a>(
+    family: &[(&'static str, &'static str)],
+    name: &str,
+    bytes: &'a [u8],
+) -> Vec<(&'static str, &'a [u8])> {
+    let files = family.iter().map(|&(file, text)| {
+        let bytes: &[u8] = if file == name { bytes } else { text.as_bytes() };
+        (file, bytes)
+    });
+    files.chain([TEXTURE]).collect()
+}
+
 #[test]
 fn the_files_used_here_are_sound() {
-    let loaded = load_files(&[
-        ("a.skel", SKEL.as_bytes()),
-        ("a.skin", SKIN.as_bytes()),
-        TEXTURE,
-    ])
-    .expect("both are valid");
+    let loaded =
+        load_files(&with_broken(FAMILIES[0], "", b"")).expect("all of the family are valid");
     assert_eq!(loaded.rig.warnings(), [""; 0]);
     assert_eq!(loaded.rig.skeleton().joints()[0].rest_angles.x, 1.5);
     assert_eq!(loaded.rig.bindings().len(), 2);
@@ -89,17 +133,19 @@ fn the_files_used_here_are_sound() {
         loaded.rig.materials()[0]
             .texture
             .as_ref()
-            .map(|it| it.levels().len()),
-        Some(2)
+            .map(|it| it.levels()[0].texels.clone()),
+        Some(vec![[3, 2, 1, 255]])
     );
-    assert_eq!(
-        (loaded.name.as_str(), loaded.dialects),
-        ("a", vec!["cse169 skel", "cse169 skin"])
-    );
+    let moved = [loaded.rig.morphs().len(), loaded.rig.clips().len()];
+    assert_eq!((loaded.name.as_str(), moved), ("a", [1, 1]));
+    let rig = load_files(&with_broken(FAMILIES[1], "", b""))
+        .expect("all of the family are valid")
+        .rig;
+    assert_eq!((rig.vertex_count(), rig.skeleton().joints().len()), (3, 3));
 }
 
 #[test]
-fn a_file_cut_anywhere_is_a_clear_fault() {
+fn a_skeleton_or_skin_cut_anywhere_is_a_clear_fault() {
     for end in 0..SKEL.len() {
         let cut = &SKEL.as_bytes()[..end];
         assert_is_clear(&fault(load_files(&[("a.skel", cut)])), cut);
@@ -111,6 +157,54 @@ fn a_file_cut_anywhere_is_a_clear_fault() {
             &fault(load_files(&[("a.skel", SKEL.as_bytes()), ("a.skin", cut)])),
             cut,
         );
+    }
+}
+
+#[test]
+fn a_file_cut_anywhere_gives_a_sound_rig_or_a_clear_fault() {
+    for family in FAMILIES {
+        for (name, text) in family {
+            let mut faults = 0;
+            for end in 0..text.len() {
+                let cut = &text.as_bytes()[..end];
+                match load_files(&with_broken(family, name, cut)) {
+                    Ok(loaded) => assert_is_sound(&loaded),
+                    Err(LoadError::Invalid(fault)) => {
+                        faults += 1;
+                        let of_another = fault.file != *name;
+                        let bytes = if of_another { text.as_bytes() } else { cut };
+                        assert_is_clear(&fault, bytes);
+                    }
+                    Err(other) => panic!("{name} cut at {end}: {other}"),
+                }
+            }
+            assert!(faults > 0, "{name}");
+        }
+    }
+}
+
+/// What holds of every rig, whatever it was made of.
+fn assert_is_sound(loaded: &Loaded) {
+    let rig = &loaded.rig;
+    let joints = rig.skeleton().joints().len();
+    assert!(
+        rig.bindings()
+            .iter()
+            .all(|binding| binding.joint.is_none_or(|joint| joint < joints))
+    );
+    for mesh in rig.meshes() {
+        assert!(mesh.positions().iter().all(|position| position.is_finite()));
+        assert!(mesh.influences().iter().all(|it| it.weight.is_finite()));
+        for vertex in 0..mesh.vertex_count() {
+            let displacements = mesh.morph_displacements_of(vertex).iter();
+            displacements.for_each(|it| assert!(it.position.is_finite() && it.normal.is_finite()));
+        }
+    }
+    for channel in rig.clips().iter().flat_map(|clip| &clip.channels) {
+        assert!(channel.dof < rig.dofs().all().len());
+        for time in [-1e9, -1.0, 0.5, 1.0, 1e9] {
+            assert!(channel.curve.at(time).is_finite());
+        }
     }
 }
 
@@ -127,7 +221,7 @@ impl Random {
 }
 
 fn mutated(text: &str, random: &mut Random) -> Vec<u8> {
-    const PIECES: [&[u8]; 20] = [
+    const PIECES: [&[u8]; 24] = [
         b"{",
         b"}",
         b" ",
@@ -148,6 +242,10 @@ fn mutated(text: &str, random: &mut Random) -> Vec<u8> {
         b"balljoint",
         b"matrix",
         b"triangles 1 {",
+        b"channel {",
+        b"smooth",
+        b"a.rig",
+        b"f 1 2 3",
     ];
     let mut bytes = text.as_bytes().to_vec();
     for _ in 0..=random.below(3) {
@@ -174,45 +272,37 @@ fn mutated(text: &str, random: &mut Random) -> Vec<u8> {
 #[test]
 fn mutated_files_give_a_sound_rig_or_a_clear_fault() {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
-    let (mut rigs, mut faults) = (0, 0);
-    for round in 0..20_000 {
-        let mut skel = SKEL.as_bytes().to_vec();
-        let mut skin = SKIN.as_bytes().to_vec();
-        if round % 2 == 0 {
-            skel = mutated(SKEL, &mut random);
-        } else {
-            skin = mutated(SKIN, &mut random);
-        }
-        match load_files(&[("a.skel", &skel), ("a.skin", &skin), TEXTURE]) {
-            Ok(loaded) => {
-                rigs += 1;
-                let rig = loaded.rig;
-                assert_eq!(
-                    rig.bindings()
-                        .iter()
-                        .filter(|it| it.joint.is_some())
-                        .count(),
-                    rig.skeleton().joints().len()
-                );
-                for mesh in rig.meshes() {
-                    assert!(mesh.positions().iter().all(|position| position.is_finite()));
-                    assert!(
-                        mesh.influences()
-                            .iter()
-                            .all(|influence| influence.weight.is_finite())
-                    );
+    for family in FAMILIES {
+        for (name, text) in family {
+            let (mut rigs, mut faults) = (0, 0);
+            for _ in 0..5_000 {
+                let bytes = mutated(text, &mut random);
+                match load_files(&with_broken(family, name, &bytes)) {
+                    Ok(loaded) => {
+                        rigs += 1;
+                        assert_is_sound(&loaded);
+                    }
+                    Err(LoadError::Invalid(fault)) => {
+                        faults += 1;
+                        let of_another = family.iter().find(|(file, _)| *file == fault.file);
+                        let broken = fault.file == *name;
+                        let bytes = match of_another.filter(|_| !broken) {
+                            Some((_, text)) => text.as_bytes(),
+                            None => &bytes,
+                        };
+                        assert_is_clear(&fault, bytes);
+                    }
+                    Err(LoadError::Limit(_) | LoadError::TwoSkeletons { .. }) => {}
+                    Err(other) => panic!("{other}"),
                 }
             }
-            Err(LoadError::Invalid(fault)) => {
-                faults += 1;
-                assert_is_clear(&fault, if fault.file == "a.skel" { &skel } else { &skin });
-            }
-            Err(LoadError::Limit(_) | LoadError::TwoSkeletons { .. }) => {}
-            Err(other) => panic!("{other}"),
+            // Both must have been tried.
+            assert!(
+                rigs > 100 && faults > 100,
+                "{name}: {rigs} rigs, {faults} faults"
+            );
         }
     }
-    // Both must have been tried.
-    assert!(rigs > 1000 && faults > 1000, "{rigs} rigs, {faults} faults");
 }
 
 #[test]
@@ -234,6 +324,19 @@ fn counts_are_held_to_limits_before_anything_is_read() {
         let found = exceeded(load_files(&[("a.skin", text.as_bytes())]));
         assert_eq!((found.limit, found.asked), (limit, asked), "{text}");
     }
+    for (name, text, limit) in [
+        ("a.morph", "positions 99999999 {", "morph_displacements"),
+        ("a.morph", "normals 99999999 {", "morph_displacements"),
+        (
+            "a.anim",
+            "animation { numchannels 1 channel { keys 99999999 {",
+            "keys",
+        ),
+        ("a.rig", "rig a { morphs 99999999 {", "morph_targets"),
+    ] {
+        let found = exceeded(load_files(&with_broken(FAMILIES[0], name, text.as_bytes())));
+        assert_eq!((found.limit, found.asked), (limit, 99_999_999), "{text}");
+    }
 }
 
 #[test]
@@ -243,6 +346,9 @@ fn memory_follows_what_a_file_holds_not_what_it_claims() {
         triangles: u64::MAX,
         joints: u64::MAX,
         influences: u64::MAX,
+        morph_targets: u64::MAX,
+        morph_displacements: u64::MAX,
+        keys: u64::MAX,
         ..Limits::default()
     };
     for text in [
@@ -256,6 +362,27 @@ fn memory_follows_what_a_file_holds_not_what_it_claims() {
         "positions 18446744073709551615 { }",
     ] {
         let found = fault(load_with(&unlimited, &[("a.skin", text.as_bytes())]));
+        assert_is_clear(&found, text.as_bytes());
+    }
+    for (name, text) in [
+        ("a.morph", "positions 1000000000000000000 { 0 0 0 0 }"),
+        (
+            "a.morph",
+            "positions 0 { } normals 18446744073709551615 { 0 0 0 1 }",
+        ),
+        (
+            "a.anim",
+            "animation { range 0 1 numchannels 18446744073709551615 }",
+        ),
+        (
+            "a.anim",
+            "animation { numchannels 1 channel { keys 1000000000000000000 { 0 0 flat flat } } }",
+        ),
+        ("a.rig", "rig a { morphs 18446744073709551615 { a.morph } }"),
+    ] {
+        let files = with_broken(FAMILIES[0], name, text.as_bytes());
+        let found = fault(load_with(&unlimited, &files));
+        assert_eq!(found.file, name);
         assert_is_clear(&found, text.as_bytes());
     }
 }
@@ -420,11 +547,13 @@ fn requests_that_make_no_sense_are_refused() {
         ),
         (
             &[("a.bmp", b"BM")],
-            "a.bmp:1:1: expected a CSE 169 skeleton (`.skel`) or skin (`.skin`), but found a BMP picture",
+            "a.bmp:1:1: expected a rig file (CSE 169 `.skel`, `.skin`, `.morph`, `.anim` or `.rig`, \
+             MIT 6.837 `.skel` or `.attach`, or `.obj`), but found a BMP picture",
         ),
         (
-            &[("a.skel", skel), ("a.anim", b"animation {")],
-            "a.anim:1:1: expected a CSE 169 skeleton (`.skel`) or skin (`.skin`), but found an animation, which is not supported",
+            &[("a.skel", skel), ("a.glb", b"glTF")],
+            "a.glb:1:1: expected a rig file (CSE 169 `.skel`, `.skin`, `.morph`, `.anim` or `.rig`, \
+             MIT 6.837 `.skel` or `.attach`, or `.obj`), but found a glTF file, which is not supported",
         ),
     ] {
         let found = load_files(files)
@@ -449,6 +578,13 @@ fn files_that_nobody_needs_and_textures_that_nobody_sent_are_warned_of() {
             "`d/readme.txt` is not used: no file refers to it",
         ]
     );
+    let no_picture: [(&str, &[u8]); 2] = [("a.skin", SKIN.as_bytes()), ("face.bmp", b"BM")];
+    let rig = load_files(&no_picture)
+        .expect("that is no reason to fail")
+        .rig;
+    assert_eq!(rig.warnings().len(), 1);
+    assert!(rig.warnings()[0].starts_with("a.skin:22:10: the texture `face.bmp` is left out: "));
+    assert!(rig.materials()[0].texture.is_none());
     let referred_to_skel = SKIN.replace("face.bmp", "a.skel");
     let files: [(&str, &[u8]); 2] = [
         ("a.skel", SKEL.as_bytes()),
@@ -459,6 +595,113 @@ fn files_that_nobody_needs_and_textures_that_nobody_sent_are_warned_of() {
         rig.warnings(),
         ["a.skin:22:10: the texture `a.skel` is left out: it is no picture"]
     );
+}
+
+#[test]
+fn what_does_not_fit_is_told_in_the_file_that_does_not_fit() {
+    for (family, name, piece, by, wanted) in [
+        // A morph target of another skin.
+        (
+            0,
+            "a.morph",
+            "2 0 2 0",
+            "3 0 2 0",
+            "a.morph:3:2: expected a vertex below 3, the number of positions in `a.skin`, in position 1, but found `3`",
+        ),
+        (
+            0,
+            "a.morph",
+            "2 0 2 0",
+            "0 0 2 0",
+            "a.morph:3:2: expected a vertex that was not listed before in position 1, but found `0`",
+        ),
+        (
+            0,
+            "a.morph",
+            "positions 2",
+            "positions 3",
+            "a.morph:4:1: expected 3 positions as announced, but found `}` after 2",
+        ),
+        (
+            0,
+            "a.anim",
+            "numchannels 9",
+            "numchannels 12",
+            "a.anim:19:1: expected 12 channels as announced, but found `}` after 9",
+        ),
+        (
+            0,
+            "a.anim",
+            "keys 2",
+            "keys 1",
+            "a.anim:8:4: expected `}` after 1 key as announced, but found `1`: 2 keys in all",
+        ),
+        (
+            0,
+            "a.anim",
+            "1 2 -.5",
+            "0 2 -.5",
+            "a.anim:8:4: expected a time after 0 in key 1, but found `0`",
+        ),
+        // A list that leads to itself, to a picture, to nothing.
+        (
+            0,
+            "a.rig",
+            "a.morph",
+            "a.rig",
+            "a.rig:5:3: expected `a.rig` to be a CSE 169 morph target, but found this `.rig` itself",
+        ),
+        (
+            0,
+            "a.rig",
+            "a.skin",
+            "face.bmp",
+            "a.rig:3:7: expected `face.bmp` to be a CSE 169 skin, but found a BMP picture",
+        ),
+        (
+            0,
+            "a.rig",
+            "a.skel",
+            "b.skel",
+            "a.rig:2:11: expected `b.skel` to be a CSE 169 skeleton, but found no such file in the request",
+        ),
+        (
+            1,
+            "a.attach",
+            "0 1\n",
+            "0\n",
+            "a.attach:2:2: expected 2 weights in vertex 1, one for each joint of `a.skel` but the root, but found 1",
+        ),
+        (
+            1,
+            "a.attach",
+            ".5 .5\n",
+            "",
+            "a.attach:3:1: expected 3 rows, one for each vertex of `a.obj`, but found the end of the file after 2",
+        ),
+        (
+            1,
+            "a.obj",
+            "f 1 2 3",
+            "f 1 2 4",
+            "a.obj:4:7: expected one of the 3 vertices above, counted from 1, but found `4`",
+        ),
+        (
+            1,
+            "a.skel",
+            "0 1 0 1\n",
+            "0 1 0 2\n",
+            "a.skel:3:7: expected a parent from 0 to 1 in joint 2, but found `2`",
+        ),
+    ] {
+        let family = FAMILIES[family];
+        let text = family.iter().find(|(file, _)| *file == name);
+        let text = text.expect("it is in its family").1;
+        assert_eq!(text.matches(piece).count(), 1, "{piece} must stand once");
+        let text = text.replace(piece, by);
+        let found = fault(load_files(&with_broken(family, name, text.as_bytes())));
+        assert_eq!(found.to_string(), wanted);
+    }
 }
 
 #[test]

@@ -32,7 +32,7 @@ static SERVICES: LazyLock<Option<[Arc<Service>; 2]>> = LazyLock::new(|| {
         match Engine::open(choice, Limits::default()) {
             Ok(engine) => {
                 support::note(&format!("drawing with {}", engine.adapter()));
-                let (figure, source) = (support::figure(), Source::inline_only());
+                let (figure, source) = (rigd::cli::figure(), Source::inline_only());
                 engine
                     .load(None, &figure, &source, false)
                     .expect("the built-in figure loads");

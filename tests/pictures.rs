@@ -1,4 +1,4 @@
-//! Does a picture show what the contract in `render/plan.rs` says? By properties that follow from it, and by pictures that somebody looked at.
+//! Does a picture show what the contract in `render/plan.rs` says? By properties that follow from it.
 
 mod support;
 
@@ -9,10 +9,7 @@ use std::fmt::Write;
 use std::sync::{Arc, LazyLock};
 use support::ask_ok;
 use support::oracle::{Random, Vector};
-use support::pictures::{
-    Drawn, Image, Mismatch, Tolerance, ask_attached, attached_bytes, check_golden, draw, encoded,
-    linear, matches, tolerance,
-};
+use support::pictures::{Drawn, Image, ask_attached, attached_bytes, draw, encoded, linear, over};
 
 static SERVICE: LazyLock<Arc<Service>> = LazyLock::new(support::service);
 
@@ -138,7 +135,7 @@ fn load_skeleton<'a>(name: &'a str, text: &str) -> &'a str {
 /// A white, matt surface in even white light before black, seen along −Z without perspective, 16 pixels a unit, the world's origin in
 /// the middle of pixel (32, 32); then `changes` over it.
 fn request(rig: &str, changes: Value) -> Value {
-    let mut request = json!({
+    let request = json!({
         "rig": rig,
         "size": [65, 65],
         "samples": 1,
@@ -148,9 +145,7 @@ fn request(rig: &str, changes: Value) -> Value {
         "material": {"diffuse": [1, 1, 1], "specular": [0, 0, 0], "shininess": 1},
         "background": [0, 0, 0, 1],
     });
-    let changes: serde_json::Map<String, Value> = serde_json::from_value(changes).expect("fields");
-    request.as_object_mut().expect("an object").extend(changes);
-    request
+    over(request, changes)
 }
 
 fn picture(rig: &str, changes: Value) -> Image {
@@ -1239,184 +1234,4 @@ fn a_picture_is_the_same_whenever_it_is_asked_for() {
     of_figure(json!({"size": [50, 50]}));
     of_figure(json!({"samples": 4}));
     assert_eq!(of_figure(colored), first);
-}
-
-// Pictures that were looked at
-
-/// Name and request of each picture in `tests/golden`. What could change with a default is spelled out.
-fn golden() -> Vec<(&'static str, Value)> {
-    let key = json!({"kind": "directional", "direction": [0.4, -0.6, -0.8], "color": [1, 0.92, 0.8], "intensity": 0.9});
-    let fill = json!({"kind": "directional", "direction": [-0.9, -0.1, 0.2], "color": [0.4, 0.6, 1], "intensity": 0.6});
-    let before =
-        json!({"kind": "look_at", "eye": [0.6, 1.3, 4], "target": [0, 0.9, 0], "fov_y": 0.55});
-    let base = |changes: Value| {
-        let mut fields = json!({
-            "size": [96, 120], "samples": 4, "camera": before, "lights": [key, fill], "ambient": [0.05, 0.05, 0.07],
-            "pose": {"base": "rest"}, "background": [0.03, 0.036, 0.048, 1],
-            "material": {"diffuse": [0.64, 0.58, 0.52], "specular": [0.22, 0.22, 0.22], "shininess": 40},
-            "show": {"skin": "posed", "skeleton": "none", "skin_opacity": 1, "normals": "smooth"},
-        });
-        let changes: serde_json::Map<String, Value> =
-            serde_json::from_value(changes).expect("fields");
-        fields.as_object_mut().expect("an object").extend(changes);
-        request("figure", fields)
-    };
-    let show = |skin: &str, skeleton: &str, opacity: f64, normals: &str| json!({"show": {"skin": skin, "skeleton": skeleton, "skin_opacity": opacity, "normals": normals}});
-    let point = |falloff: &str, intensity: f64| json!({"lights": [{"kind": "point", "position": [0.7, 1.7, 0.8], "color": [1, 0.8, 0.5], "intensity": intensity, "falloff": falloff}]});
-    let from_side = json!([0, 0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 4, 0.9, 0, 1]);
-    let from_behind = json!([-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0.9, -4, 1]);
-    vec![
-        (
-            "camera_orbit",
-            base(
-                json!({"camera": {"kind": "orbit", "target": [0, 0.9, 0], "distance": 4.2, "azimuth": 0.8, "inclination": 0.4, "fov_y": 0.55}}),
-            ),
-        ),
-        ("camera_look_at", base(json!({}))),
-        (
-            "camera_orthographic",
-            base(
-                json!({"camera": {"kind": "look_at", "eye": [-3, 3, 3], "target": [0, 0.9, 0], "height": 2.2}}),
-            ),
-        ),
-        (
-            "camera_pinhole_gl",
-            base(
-                json!({"camera": {"kind": "pinhole", "fx": 200, "fy": 200, "cx": 48, "cy": 60, "world_from_camera": from_side}}),
-            ),
-        ),
-        (
-            "camera_pinhole_cv",
-            base(
-                json!({"camera": {"kind": "pinhole", "fx": 200, "fy": 200, "cx": 30, "cy": 66, "axes": "cv", "world_from_camera": from_behind}}),
-            ),
-        ),
-        (
-            "light_ambient",
-            base(json!({"lights": [], "ambient": [0.4, 0.45, 0.5]})),
-        ),
-        ("light_directional", base(json!({"lights": [key]}))),
-        ("light_point", base(point("none", 0.9))),
-        ("light_inverse_square", base(point("inverse_square", 0.9))),
-        (
-            "skeleton_alone",
-            base(show("none", "wireframe", 1.0, "smooth")),
-        ),
-        (
-            "skin_over_skeleton",
-            base(show("posed", "wireframe", 0.5, "smooth")),
-        ),
-        ("flat", base(show("posed", "none", 1.0, "flat"))),
-        ("wide", base(json!({"size": [160, 80]}))),
-        (
-            "tall",
-            base(json!({"size": [60, 120], "background": [0, 0, 0, 0]})),
-        ),
-    ]
-}
-
-#[test]
-fn pictures_are_those_that_were_accepted() {
-    let faults: Vec<String> = golden()
-        .iter()
-        .filter_map(|(name, request)| check_golden(name, &draw(&SERVICE, request).image).err())
-        .collect();
-    assert!(faults.is_empty(), "{}", faults.join("\n"));
-}
-
-#[test]
-fn every_accepted_picture_is_drawn_by_a_test() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden");
-    let files = std::fs::read_dir(folder)
-        .expect("the folder")
-        .map(|file| file.expect("a file").path());
-    for file in files.filter(|file| file.extension().is_some_and(|it| it == "png")) {
-        let is_drawn = golden()
-            .iter()
-            .any(|(name, _)| file.file_stem().is_some_and(|it| it == *name));
-        assert!(is_drawn, "{}", file.display());
-    }
-}
-
-#[test]
-fn a_disturbed_missing_or_resized_picture_is_refused() {
-    let accepted = Image::from_bytes([20, 10], &[100; 800]);
-    let with = |count: usize, value: u8| {
-        let mut image = accepted.clone();
-        image
-            .pixels
-            .iter_mut()
-            .take(count)
-            .for_each(|pixel| pixel[1] = value);
-        image
-    };
-    let tolerance = Tolerance {
-        channel: 2,
-        share: 0.02,
-        most: 60,
-    };
-    let check = |found: &Image| matches(Some(&accepted), found, tolerance);
-    assert_eq!(check(&accepted), Ok(()));
-    assert_eq!(check(&with(200, 102)), Ok(()), "rounding everywhere");
-    assert_eq!(check(&with(4, 160)), Ok(()), "an edge or two");
-    let worst = |color: u8| (0, 0, [100; 4], [100, color, 100, 100]);
-    let pixels = |differing, color| {
-        Err(Mismatch::Pixels {
-            differing,
-            allowed: 4,
-            worst: worst(color),
-        })
-    };
-    assert_eq!(
-        check(&with(1, 161)),
-        pixels(1, 161),
-        "one pixel too far off"
-    );
-    assert_eq!(check(&with(5, 103)), pixels(5, 103), "too many pixels");
-    let sideways = Image {
-        width: 10,
-        height: 20,
-        ..accepted.clone()
-    };
-    assert_eq!(
-        check(&sideways),
-        Err(Mismatch::Size {
-            wanted: [20, 10],
-            found: [10, 20]
-        })
-    );
-    assert_eq!(matches(None, &accepted, tolerance), Err(Mismatch::Missing));
-}
-
-#[test]
-fn an_accepted_picture_refuses_a_figure_that_moved_a_little() {
-    if std::env::var_os("RIGD_ACCEPT_GOLDEN").is_some() {
-        return;
-    }
-    let requests = golden();
-    let (_, request) = requests
-        .iter()
-        .find(|it| it.0 == "camera_look_at")
-        .expect("a picture");
-    let file = std::fs::read(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/tests/golden/camera_look_at.png"
-    ));
-    let accepted = Image::from_png(&file.expect("the picture"));
-    for change in [
-        json!({"pose": {"base": "rest", "dofs": {"pelvis.tx": 0.02}}}),
-        json!({"lights": []}),
-        json!({"samples": 1}),
-        json!({"background": [0.05, 0.036, 0.048, 1]}),
-    ] {
-        let mut request = request.clone();
-        let fields: serde_json::Map<String, Value> =
-            serde_json::from_value(change.clone()).expect("fields");
-        request.as_object_mut().expect("an object").extend(fields);
-        let found = draw(&SERVICE, &request).image;
-        assert!(
-            matches(Some(&accepted), &found, tolerance()).is_err(),
-            "{change}"
-        );
-    }
 }

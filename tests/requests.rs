@@ -1149,7 +1149,12 @@ fn every_way_to_travel_carries_the_same_bytes() {
             json!({ "pose": pose }),
             &["positions", "normals"][..],
         ),
-        ("mesh.topology", "figure", json!({}), &["triangles"]),
+        (
+            "mesh.topology",
+            "figure",
+            json!({}),
+            &["triangles", "texcoords"],
+        ),
     ] {
         let [json, base64, attach] = ["json", "base64", "attach"].map(|transport| {
             let mut params = params.clone();

@@ -6,8 +6,8 @@ use rigd::service::Service;
 use serde_json::{Value, json};
 use std::io::Cursor;
 use std::sync::{Arc, LazyLock};
-use support::ask_ok;
-use support::pictures::{Image, draw, encoded};
+use support::pictures::{Image, draw, encoded, over};
+use support::{ask_ok, with_base64};
 
 static SERVICE: LazyLock<Arc<Service>> = LazyLock::new(support::service);
 
@@ -36,24 +36,19 @@ fn wall(from: [f64; 2], to: [f64; 2]) -> String {
 }
 
 fn load(name: &str, skin: &str, picture: &[u8]) -> Value {
-    use base64::Engine;
-    let data = base64::engine::general_purpose::STANDARD.encode(picture);
     let skin = json!({"name": format!("{name}.skin"), "text": skin});
-    let files = json!([skin, {"name": "wall.png", "base64": data}]);
+    let files = json!([skin, with_base64("wall.png", picture)]);
     ask_ok(&SERVICE, "rig.load", json!({"name": name, "files": files}))
 }
 
 /// Seen straight on, the wall fills the picture; the light is even and white, so that a pixel is its texel.
 fn seen(name: &str, pixels: u32, changes: Value) -> Image {
-    let mut request = json!({
+    let request = json!({
         "rig": name, "size": [pixels, pixels], "samples": 1, "lights": [], "ambient": [1, 1, 1],
         "material": {"specular": [0, 0, 0]}, "background": [0, 0, 0, 1],
         "camera": {"kind": "look_at", "eye": [0, 0, 5], "target": [0, 0, 0], "height": 2},
     });
-    for (field, value) in changes.as_object().expect("an object") {
-        request[field] = value.clone();
-    }
-    draw(&SERVICE, &request).image
+    draw(&SERVICE, &over(request, changes)).image
 }
 
 fn four_corners() -> Texels {
@@ -194,11 +189,9 @@ fn only_the_skin_wears_the_texture() {
          bindings 1 { matrix { 1 0 0 0 1 0 0 0 1 0 0 0 } } triangles",
     );
     let picture = encoded_picture(4, image::ImageFormat::Png, &red);
-    use base64::Engine;
-    let data = base64::engine::general_purpose::STANDARD.encode(picture);
     let files = json!([
         {"name": "box.skel", "text": "balljoint only { boxmin -0.5 -0.5 0.5 boxmax 0.5 0.5 1 }"},
-        {"name": "box.skin", "text": skin}, {"name": "wall.png", "base64": data},
+        {"name": "box.skin", "text": skin}, with_base64("wall.png", &picture),
     ]);
     ask_ok(
         &SERVICE,

@@ -7,6 +7,7 @@ use rigd::service::Service;
 use serde_json::{Value, json};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::{Arc, LazyLock};
+use support::pictures::over;
 use support::{ask, ask_kind, ask_ok};
 
 static SERVICE: LazyLock<Arc<Service>> = LazyLock::new(support::service);
@@ -21,18 +22,14 @@ const LEG: &str = "balljoint hip { offset 1 2 3 pose 0.3 -0.4 0.5
         balljoint twin { } } }";
 
 /// Each test has a leg of its own: the stored pose is what they change.
-fn leg<'a>(name: &'a str) -> &'a str {
+fn leg(name: &str) -> &str {
     let files = json!([{"name": format!("{name}.skel"), "text": LEG}]);
     ask_ok(&SERVICE, "rig.load", json!({"name": name, "files": files}));
     name
 }
 
 fn turn(method: &str, rig: &str, changes: Value) -> Value {
-    let mut params = json!({"rig": rig});
-    for (field, value) in changes.as_object().expect("an object") {
-        params[field] = value.clone();
-    }
-    ask_ok(&SERVICE, method, params)
+    ask_ok(&SERVICE, method, over(json!({"rig": rig}), changes))
 }
 
 fn rotate(rig: &str, changes: Value) -> Value {
@@ -62,14 +59,14 @@ fn assert_same(found: DMat4, wanted: DMat4, what: &str) {
 
 #[test]
 fn a_turn_in_world_space_moves_the_joint_and_all_below_it_about_its_origin() {
-    let rig = leg("world");
+    let rig = leg("turned_in_world");
     let before = world_from_joint(rig);
     let axis = DVec3::new(1.0, -2.0, 0.5);
     rotate(
         rig,
         json!({"joint": "hip", "axis": [1, -2, 0.5], "angle": 0.7, "space": "world"}),
     );
-    let turned = DMat4::from_axis_angle(axis.normalize(), 0.7);
+    let turned = DMat4::from_axis_angle(axis.normalize_or(DVec3::X), 0.7);
     let hip = DMat4::from_translation(before[0].w_axis.truncate());
     let about_hip = hip * turned * hip.inverse();
     for (joint, (before, after)) in before.iter().zip(world_from_joint(rig)).enumerate() {
@@ -79,7 +76,7 @@ fn a_turn_in_world_space_moves_the_joint_and_all_below_it_about_its_origin() {
 
 #[test]
 fn a_turn_in_the_joints_own_space_comes_before_its_rotation() {
-    let rig = leg("joint");
+    let rig = leg("turned_in_itself");
     let before = world_from_joint(rig);
     // The space that is taken where none is named.
     rotate(
@@ -106,14 +103,18 @@ fn a_roll_turns_about_the_bone_and_leaves_its_end_where_it_is() {
     // The knee stays, the foot goes around it.
     assert!(after[1].w_axis.abs_diff_eq(before[1].w_axis, 1e-9));
     assert!(after[2].w_axis.distance(before[2].w_axis) > 0.1);
-    let along = (before[1].w_axis - before[0].w_axis).truncate().normalize();
+    let along = (before[1].w_axis - before[0].w_axis)
+        .truncate()
+        .normalize_or(DVec3::X);
     let turned = DMat3::from_mat4(after[0]) * DMat3::from_mat4(before[0]).inverse();
     let wanted = DMat3::from_axis_angle(along, 1.1);
     assert!(turned.abs_diff_eq(wanted, 1e-9), "{turned}");
     // A joint without children at a distance goes on along the line from its parent.
     turn("pose.roll", rig, json!({"joint": "foot", "angle": 0.3}));
     let again = world_from_joint(rig);
-    let along = (after[2].w_axis - after[1].w_axis).truncate().normalize();
+    let along = (after[2].w_axis - after[1].w_axis)
+        .truncate()
+        .normalize_or(DVec3::X);
     let turned = DMat3::from_mat4(again[2]) * DMat3::from_mat4(after[2]).inverse();
     assert!(turned.abs_diff_eq(DMat3::from_axis_angle(along, 0.3), 1e-9));
 }
@@ -121,7 +122,8 @@ fn a_roll_turns_about_the_bone_and_leaves_its_end_where_it_is() {
 #[test]
 fn a_full_turn_in_360_steps_comes_back_to_the_start() {
     for space in ["world", "joint"] {
-        let rig = leg(space);
+        let name = format!("around_in_{space}");
+        let rig = leg(&name);
         let before = world_from_joint(rig);
         let step = TAU / 360.0;
         for count in 1..=360 {

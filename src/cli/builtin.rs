@@ -32,12 +32,16 @@ pub(super) fn files_or_default(named: &[String]) -> Vec<FileRef> {
     if !tests.is_empty() {
         return tests;
     }
-    FIGURE
-        .map(|(name, bytes)| {
-            FileRef::Inline(File {
-                name: name.to_owned(),
-                bytes: bytes.into(),
-            })
+    figure()
+}
+
+/// The files of the built-in figure.
+pub fn figure() -> Vec<FileRef> {
+    let file = |(name, bytes): (&str, &[u8])| {
+        FileRef::Inline(File {
+            name: name.to_owned(),
+            bytes: bytes.into(),
         })
-        .into()
+    };
+    FIGURE.map(file).into()
 }

@@ -9,6 +9,8 @@ mod render;
 mod serve;
 mod values;
 
+pub use builtin::figure;
+
 use clap::{Args, Parser, Subcommand};
 use std::io::Write;
 

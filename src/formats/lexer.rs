@@ -340,7 +340,8 @@ mod tests {
     #[test]
     fn a_number_that_the_line_lacks_is_told_where_the_line_ends() {
         let mut lexer = Lexer::new("a", "1\n2 \r\n3");
-        (lexer.next(), lexer.next());
+        lexer.next();
+        lexer.next();
         let end = lexer.next_in_line();
         let found = lexer.number_at(end, || "here".to_owned());
         let wanted = "a:2:3: expected a number here, but found the end of the line".to_owned();

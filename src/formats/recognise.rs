@@ -1,59 +1,101 @@
 //! Which reader a file is for: its content decides, its extension is a hint where two dialects look alike.
-//! Never lives here: reading past the first word.
+//! Never lives here: reading past the first words.
 
-use super::error::{FileFault, quoted};
+use super::error::quoted;
 use super::text::without_bom;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Cse169Skel,
     Cse169Skin,
+    Cse169Morph,
+    Cse169Anim,
+    Cse169Rig,
+    MitSkel,
+    Obj,
+    MitAttach,
+    /// Known by name only: what it is.
+    Unsupported(&'static str),
     /// A picture perhaps, if a file refers to it.
     Other,
 }
 
-pub(super) const EXPECTED: &str = "a CSE 169 skeleton (`.skel`) or skin (`.skin`)";
+pub(super) const EXPECTED: &str = "a rig file (CSE 169 `.skel`, `.skin`, `.morph`, `.anim` or `.rig`, \
+                                   MIT 6.837 `.skel` or `.attach`, or `.obj`)";
 
-/// # Errors
-/// [`FileFault`] for a rig file of a kind that is known by name only.
-pub(super) fn recognise(file: &str, bytes: &[u8]) -> Result<Kind, FileFault> {
-    let word = first_word(bytes);
+impl Kind {
+    /// Its reader, in the words of [`FORMATS`](super::FORMATS).
+    pub(super) fn reader(self) -> Option<&'static str> {
+        Some(match self {
+            Self::Cse169Skel => "cse169 skel",
+            Self::Cse169Skin => "cse169 skin",
+            Self::Cse169Morph => "cse169 morph",
+            Self::Cse169Anim => "cse169 anim",
+            Self::Cse169Rig => "cse169 rig",
+            Self::MitSkel => "mit6837 skel",
+            Self::Obj => "obj",
+            Self::MitAttach => "mit6837 attach",
+            Self::Unsupported(_) | Self::Other => return None,
+        })
+    }
+
+    /// What a file of this kind is: `a CSE 169 skin`.
+    pub(super) fn described(self, bytes: &[u8]) -> String {
+        let what = match self {
+            Self::Cse169Skel => "a CSE 169 skeleton",
+            Self::Cse169Skin => "a CSE 169 skin",
+            Self::Cse169Morph => "a CSE 169 morph target",
+            Self::Cse169Anim => "a CSE 169 animation",
+            Self::Cse169Rig => "a `.rig` list of files",
+            Self::MitSkel => "a MIT 6.837 skeleton",
+            Self::Obj => "an OBJ mesh",
+            Self::MitAttach => "a MIT 6.837 attachment list",
+            Self::Unsupported(what) => return format!("{what}, which is not supported"),
+            Self::Other => return describe_other(bytes),
+        };
+        what.to_owned()
+    }
+}
+
+pub(super) fn recognise(file: &str, bytes: &[u8]) -> Kind {
+    let words = first_words(bytes);
+    let word = words[0];
     let extension = extension(file);
-    let unsupported = |what: &str| {
-        let found = format!("{what}, which is not supported");
-        Err(FileFault::whole(file, EXPECTED, found))
-    };
     let starts_a_number = word
         .iter()
         .find(|byte| !b"+-.".contains(byte))
         .is_some_and(u8::is_ascii_digit);
     match (extension.as_str(), word) {
-        (_, b"balljoint" | b"joint") => Ok(Kind::Cse169Skel),
-        // The two look alike at first: both open with `positions`.
-        ("morph", _) => unsupported("a morph target"),
+        (_, b"balljoint" | b"joint") => Kind::Cse169Skel,
+        // The two look alike at first.
+        ("morph", b"positions" | b"normals") => Kind::Cse169Morph,
         (
             _,
             b"positions" | b"normals" | b"texcoords" | b"skinweights" | b"triangles" | b"bindings"
             | b"material",
-        ) => Ok(Kind::Cse169Skin),
-        ("skel" | "skin" | "anim" | "", b"animation") | ("anim", _) => unsupported("an animation"),
-        ("skel" | "skin" | "", b"rig") | ("rig", _) => unsupported("a `.rig` list of files"),
-        ("gltf" | "glb", _) => unsupported("a glTF file"),
-        _ if bytes.starts_with(b"glTF") => unsupported("a glTF file"),
-        ("obj", _) => unsupported("an OBJ mesh"),
-        ("attach", _) => unsupported("a MIT 6.837 attachment list"),
+        ) => Kind::Cse169Skin,
+        // Also words of plain language: what follows must look right as well.
+        (_, b"animation") if words[1] == b"{" => Kind::Cse169Anim,
+        (_, b"rig") if words[1..].contains(&&b"{"[..]) => Kind::Cse169Rig,
+        ("gltf" | "glb", _) => Kind::Unsupported("a glTF file"),
+        _ if bytes.starts_with(b"glTF") => Kind::Unsupported("a glTF file"),
         ("skel" | "skin", _) if word.starts_with(b"<") => {
-            unsupported("XML (DART keeps skeletons in it)")
+            Kind::Unsupported("XML (DART keeps skeletons in it)")
         }
-        ("skel", _) if starts_a_number => unsupported("a MIT 6.837 skeleton"),
-        ("skel", _) => Ok(Kind::Cse169Skel),
-        ("skin", _) => Ok(Kind::Cse169Skin),
-        _ => Ok(Kind::Other),
+        ("skel", _) if starts_a_number => Kind::MitSkel,
+        ("skel", _) => Kind::Cse169Skel,
+        ("skin", _) => Kind::Cse169Skin,
+        ("morph", _) => Kind::Cse169Morph,
+        ("anim", _) => Kind::Cse169Anim,
+        ("rig", _) => Kind::Cse169Rig,
+        ("obj", _) => Kind::Obj,
+        ("attach", _) => Kind::MitAttach,
+        _ => Kind::Other,
     }
 }
 
 /// What a file that no reader takes looks like.
-pub(super) fn describe(bytes: &[u8]) -> String {
+fn describe_other(bytes: &[u8]) -> String {
     let pictures: [(&[u8], &str); 4] = [
         (b"BM", "a BMP picture"),
         (b"\x89PNG", "a PNG picture"),
@@ -63,7 +105,7 @@ pub(super) fn describe(bytes: &[u8]) -> String {
     if let Some((_, what)) = pictures.iter().find(|(magic, _)| bytes.starts_with(magic)) {
         return (*what).to_owned();
     }
-    match std::str::from_utf8(first_word(bytes)) {
+    match std::str::from_utf8(first_words(bytes)[0]) {
         Ok("") => "an empty file".to_owned(),
         Ok(word) if !word.contains('\0') => format!("a file that starts with {}", quoted(word)),
         _ => "a binary file".to_owned(),
@@ -90,18 +132,21 @@ fn extension(file: &str) -> String {
     extension.to_ascii_lowercase()
 }
 
-fn first_word(bytes: &[u8]) -> &[u8] {
-    let bytes = without_bom(bytes);
-    let separates = |byte: &u8| (1..=b' ').contains(byte);
-    let start = bytes
-        .iter()
-        .position(|byte| !separates(byte))
-        .unwrap_or(bytes.len());
-    let word = &bytes[start..];
-    let end = word
-        .iter()
-        .position(|byte| separates(byte) || b"{}".contains(byte));
-    &word[..end.unwrap_or(word.len())]
+/// Braces are words of their own; past the end come empty ones.
+fn first_words(bytes: &[u8]) -> [&[u8]; 3] {
+    let mut rest = without_bom(bytes);
+    [(); 3].map(|()| {
+        let separates = |byte: &u8| (1..=b' ').contains(byte);
+        let start = rest.iter().position(|byte| !separates(byte));
+        let word = &rest[start.unwrap_or(rest.len())..];
+        let ends = |byte: &u8| separates(byte) || b"{}".contains(byte);
+        let end = match word.first() {
+            Some(b'{' | b'}') => 1,
+            _ => word.iter().position(ends).unwrap_or(word.len()),
+        };
+        rest = &word[end..];
+        &word[..end]
+    })
 }
 
 #[cfg(test)]
@@ -117,40 +162,45 @@ mod tests {
             ("a.skel", b"positions 3 {", Kind::Cse169Skin),
             ("A.SKIN", b"material {", Kind::Cse169Skin),
             ("a", b"bindings 3", Kind::Cse169Skin),
+            ("a.morph", b"triangles 3", Kind::Cse169Skin),
+            ("a.MORPH", b"positions 3 {", Kind::Cse169Morph),
+            ("a.txt", b"animation{", Kind::Cse169Anim),
+            ("a.txt", b"rig wasp {", Kind::Cse169Rig),
+            ("a", b"rig{", Kind::Cse169Rig),
+            ("a.skel", b"0.5 0.75 0.5 -1", Kind::MitSkel),
+            ("a.skel", b"-.5 0 0 -1", Kind::MitSkel),
+            ("a.obj", b"v 1 2 3", Kind::Obj),
+            ("a.attach", b"0 1", Kind::MitAttach),
             // Left to the readers, which say what is wrong and where.
             ("a.skel", b"", Kind::Cse169Skel),
             ("a.skel", b"\xFF\xFEb\0", Kind::Cse169Skel),
             ("a.skin", b"version 1 positions", Kind::Cse169Skin),
+            ("a.morph", b"1 2 3", Kind::Cse169Morph),
+            ("a.anim", b"idle.pos", Kind::Cse169Anim),
+            ("a.rig", b"", Kind::Cse169Rig),
             ("a.bmp", b"BM\0\0", Kind::Other),
             ("readme.txt", b"rig files", Kind::Other),
+            ("readme.txt", b"animation of a wasp", Kind::Other),
             ("skel", b"1 2 3", Kind::Other),
         ] {
-            assert_eq!(recognise(file, bytes), Ok(wanted), "{file} {bytes:?}");
+            assert_eq!(recognise(file, bytes), wanted, "{file} {bytes:?}");
         }
     }
 
     #[test]
-    fn other_rig_files_are_refused_by_name() {
+    fn other_rig_files_are_known_by_name() {
         for (file, bytes, wanted) in [
-            ("a.skel", &b"0.5 0.75 0.5 -1"[..], "a MIT 6.837 skeleton"),
-            ("a.skel", b"-.5 0 0 -1", "a MIT 6.837 skeleton"),
             (
                 "a.skel",
-                b"<?xml version",
+                &b"<?xml version"[..],
                 "XML (DART keeps skeletons in it)",
             ),
-            ("a.anim", b"animation {", "an animation"),
-            ("walk", b"animation {", "an animation"),
-            ("a.rig", b"rig wasp {", "a `.rig` list of files"),
-            ("a.morph", b"positions 3 {", "a morph target"),
-            ("a.obj", b"v 1 2 3", "an OBJ mesh"),
-            ("a.attach", b"0 1", "a MIT 6.837 attachment list"),
             ("a.glb", b"glTF", "a glTF file"),
+            ("a.gltf", b"{", "a glTF file"),
             ("a", b"glTF", "a glTF file"),
         ] {
-            let found = recognise(file, bytes).map_err(|fault| (fault.line, fault.found));
-            let wanted = format!("{wanted}, which is not supported");
-            assert_eq!(found, Err((1, wanted)), "{file}");
+            let found = recognise(file, bytes).described(bytes);
+            assert_eq!(found, format!("{wanted}, which is not supported"), "{file}");
         }
     }
 

@@ -140,8 +140,7 @@ fn morph_weights(pose: &Pose) -> Result<Vec<f32>, PoseOutOfRange> {
     let morphs = pose.rig().morphs();
     let mut weights = Vec::with_capacity(morphs.len());
     for (morph, &weight) in morphs.iter().zip(&pose.morph_weights) {
-        // Also false for what is not a number.
-        if !(weight.abs() <= LARGEST_WEIGHT) {
+        if !(-LARGEST_WEIGHT..=LARGEST_WEIGHT).contains(&weight) {
             let morph = morph.name.clone();
             return Err(PoseOutOfRange::Morph { morph });
         }

@@ -122,7 +122,7 @@ fn turn_and_stretch(matrix: DMat3) -> (DMat3, DMat3) {
         }
     }
     if turn.determinant() < 0.0 {
-        turn = turn * -1.0;
+        turn *= -1.0;
     }
     let stretch = turn.transpose() * matrix;
     (turn, (stretch + stretch.transpose()) * 0.5)

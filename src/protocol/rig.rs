@@ -128,7 +128,7 @@ pub struct RigSummary {
     pub name: String,
     /// `sha256:` and 64 hexadecimal digits, over names and contents of all files: the same on every server that has the same files.
     pub digest: String,
-    /// The readers that were used, e.g. `cse169.skel`; each once, sorted.
+    /// The readers that were used, e.g. `cse169 skel`; each once, in the order of `formats` in `server.info`.
     pub dialects: Vec<String>,
     pub joint_count: u64,
     pub dof_count: u64,

@@ -116,7 +116,7 @@ fn balls(posed: &Posed, rig_size: f64) -> Solids {
 /// Of each joint: as the thickest bone that meets in it asks for.
 fn ball_radii(posed: &Posed, rig_size: f64) -> Vec<f64> {
     /// Of the rig's size, where no bone meets.
-    const ALONE: f64 = 0.02;
+    const ALONE: f64 = 0.05;
     let mut thickest = vec![0.0f64; posed.world_from_joint().len()];
     for bone in posed.bones() {
         for joint in [bone.owner, bone.child] {

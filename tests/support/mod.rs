@@ -8,7 +8,7 @@ pub mod pictures;
 pub mod server;
 
 use rigd::engine::{Engine, RendererChoice};
-use rigd::formats::{File, FileRef, Source};
+use rigd::formats::Source;
 use rigd::limits::Limits;
 use rigd::protocol::{ErrorObject, Reply};
 use rigd::service::Service;
@@ -49,31 +49,9 @@ pub fn service() -> Arc<Service> {
 pub fn service_with(limits: Limits, source: Source) -> Arc<Service> {
     let engine = engine(limits);
     engine
-        .load(None, &figure(), &Source::inline_only(), false)
+        .load(None, &rigd::cli::figure(), &Source::inline_only(), false)
         .expect("the built-in figure loads");
     Service::new(engine, source)
-}
-
-/// The files of the built-in figure.
-pub fn figure() -> Vec<FileRef> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/");
-    let names = [
-        "figure.rig",
-        "figure.skel",
-        "figure.skin",
-        "figure.png",
-        "smile.morph",
-        "blink.morph",
-        "walk.anim",
-    ];
-    let file = |name: &str| {
-        let bytes = std::fs::read(format!("{folder}{name}")).expect("an asset");
-        FileRef::Inline(File {
-            name: name.to_owned(),
-            bytes: bytes.into(),
-        })
-    };
-    names.map(file).into()
 }
 
 /// Where real rigs lie, which the project may not ship. `None`, and a line in the log, where they are absent.
@@ -107,4 +85,9 @@ pub fn ask_kind(service: &Arc<Service>, method: &str, params: Value) -> String {
         Ok(result) => panic!("{method} succeeded with {result}"),
         Err(error) => error.data.kind,
     }
+}
+
+/// A file of any bytes, as a request carries it.
+pub fn with_base64(name: &str, bytes: &[u8]) -> Value {
+    json!({"name": name, "base64": rigd::protocol::attach::Base64(bytes.to_vec())})
 }

@@ -20,6 +20,13 @@ pub fn ask_attached(service: &Arc<Service>, method: &str, params: &Value) -> (Va
     (result, reply.attachments.concat())
 }
 
+/// A request with the fields of `changes` in place of its own.
+pub fn over(mut request: Value, changes: Value) -> Value {
+    let changes: serde_json::Map<String, Value> = serde_json::from_value(changes).expect("fields");
+    request.as_object_mut().expect("an object").extend(changes);
+    request
+}
+
 /// The part of the attached bytes that a blob speaks of.
 pub fn attached_bytes<'a>(blob: &Value, attached: &'a [u8]) -> &'a [u8] {
     let number = |field: &str| blob[field].as_u64().expect("a whole number") as usize;

@@ -1,6 +1,9 @@
 //! The file family of the UCSD course CSE 169: one reader per extension, the grammar in its module doc.
 //! Never lives here: other dialects that use the same extensions.
 
+pub(super) mod anim;
+pub(super) mod list;
+pub(super) mod morph;
 mod sections;
 pub(super) mod skel;
 pub(super) mod skin;
@@ -8,7 +11,8 @@ pub(super) mod skin;
 mod tests;
 
 use super::error::FileFault;
-use super::lexer::{Lexer, Token};
+use super::lexer::{Lexer, Token, parse_number};
+use crate::rig::{LARGEST_COORDINATE, Warnings};
 
 /// A name of `what`, up to an opening brace, which is taken too. Exporters leave names empty, so `{` may come at once.
 fn name_and_brace<'a>(lexer: &mut Lexer<'a>, what: Token) -> Result<&'a str, FileFault> {
@@ -28,4 +32,31 @@ fn name_and_brace<'a>(lexer: &mut Lexer<'a>, what: Token) -> Result<&'a str, Fil
     }
     lexer.expect("{", || format!("after `{} {}`", what.text, name.text))?;
     Ok(name.text)
+}
+
+/// A number that [`Draft::build`](crate::rig::Draft::build) takes for a coordinate, a time, a value or a slope.
+fn bounded_number(lexer: &mut Lexer, place: impl Fn() -> String) -> Result<f64, FileFault> {
+    let token = lexer.next();
+    match parse_number(token.text) {
+        Some(number) if number.abs() <= LARGEST_COORDINATE => Ok(number),
+        Some(_) => Err(lexer.fault(
+            token,
+            format!("a number of at most 1e9 in size {}", place()),
+        )),
+        None => Err(lexer.fault(token, format!("a number {}", place()))),
+    }
+}
+
+/// The fault of a keyword that stands a second time where it may stand once.
+fn second(lexer: &Lexer, keyword: Token) -> FileFault {
+    let expected = format!("`{}` once", keyword.text);
+    lexer.fault_found(keyword, expected, "a second one")
+}
+
+/// A warning where the file goes on after all that it is read for.
+fn warn_of_rest(lexer: &Lexer, after: &str, warnings: &mut Warnings) {
+    let word = lexer.peek();
+    if !word.is_end() {
+        warnings.push(|| format!("{}: what follows {after} is not used", lexer.place(word)));
+    }
 }

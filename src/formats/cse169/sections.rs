@@ -1,4 +1,4 @@
-//! A heading with a count, then that many rows: the form that all sections of a `.skin` have.
+//! A heading with a count, then that many rows: the form that all sections of a `.skin` have, and others.
 //! Never lives here: what the rows mean.
 
 use crate::formats::error::{FileFault, LoadError};
@@ -11,7 +11,7 @@ pub(super) struct Section<'a> {
     pub count: usize,
     pub count_token: Token<'a>,
     /// Where the rows start.
-    pub rows_at: usize,
+    rows_at: usize,
     /// What its rows are called, of one and of many.
     nouns: (&'static str, &'static str),
     braced: bool,
@@ -55,6 +55,15 @@ impl<'a> Section<'a> {
         format!("in {} {row}", self.nouns.0)
     }
 
+    /// The word that stands `index` words after the heading, found by reading once more: no place is kept for words that are right.
+    pub(super) fn word(&self, lexer: &Lexer<'a>, index: usize) -> Token<'a> {
+        let mut lexer = lexer.from(self.rows_at);
+        for _ in 0..index {
+            lexer.next();
+        }
+        lexer.next()
+    }
+
     /// Reads as many rows as were announced and the brace after them. A row takes `row_bytes` of text at the least.
     pub(super) fn read_rows<T>(
         &self,
@@ -94,7 +103,7 @@ impl<'a> Section<'a> {
     fn too_few(&self, lexer: &Lexer<'a>, start: usize, complete: usize) -> Option<FileFault> {
         let mut ahead = lexer.from(start);
         let mut token = ahead.next();
-        while parse_number(token.text).is_some() && ahead.offset() < lexer.offset() {
+        while !matches!(token.text, "" | "{" | "}") && ahead.offset() < lexer.offset() {
             token = ahead.next();
         }
         if !matches!(token.text, "" | "}") {

@@ -14,8 +14,8 @@
 //! and must be there where the mesh is read with a skeleton. The four rows of a matrix are its columns a, b, c and d: it takes
 //! points from the joint's own space to where it stood when the mesh was bound.
 
-use super::name_and_brace;
 use super::sections::{Brace, Section};
+use super::{name_and_brace, second};
 use crate::formats::error::{FileFault, LoadError};
 use crate::formats::lexer::{Lexer, Token};
 use crate::limits::Limits;
@@ -153,7 +153,7 @@ impl<'a> Reader<'a, '_> {
 
     fn read_section(&mut self, part: Part, keyword: Token<'a>) -> Result<(), LoadError> {
         if self.section(part).is_some() {
-            return Err(self.second(keyword).into());
+            return Err(second(&self.lexer, keyword).into());
         }
         let limits = self.limits;
         let hold = |count| match part {
@@ -179,14 +179,9 @@ impl<'a> Reader<'a, '_> {
         Ok(())
     }
 
-    fn second(&self, keyword: Token<'a>) -> FileFault {
-        let expected = format!("`{}` once", keyword.text);
-        self.lexer.fault_found(keyword, expected, "a second one")
-    }
-
     fn read_material(&mut self, keyword: Token<'a>) -> Result<(), LoadError> {
         if self.skin.material.is_some() {
-            return Err(self.second(keyword).into());
+            return Err(second(&self.lexer, keyword).into());
         }
         let name = name_and_brace(&mut self.lexer, keyword)?.to_owned();
         let mut texture = None;
@@ -194,7 +189,7 @@ impl<'a> Reader<'a, '_> {
             let word = self.lexer.next();
             match word.text {
                 "}" => break,
-                "texture" if texture.is_some() => return Err(self.second(word).into()),
+                "texture" if texture.is_some() => return Err(second(&self.lexer, word).into()),
                 "texture" => texture = Some(self.read_texture_name()?),
                 "" => return Err(self.lexer.fault(word, "`}` to end the `material`").into()),
                 _ => {
@@ -276,11 +271,12 @@ impl<'a> Reader<'a, '_> {
             .iter()
             .position(|&vertex| vertex as usize >= vertex_count);
         match (bad, self.section(Part::Triangles)) {
-            (Some(corner), Some(section)) => Err(self.out_of_range(
-                &section,
-                corner,
-                format!("a vertex below {vertex_count}, the number of positions"),
-            )),
+            (Some(corner), Some(section)) => {
+                let expected = format!("a vertex below {vertex_count}, the number of positions");
+                Err(self
+                    .lexer
+                    .fault(section.word(&self.lexer, corner), expected))
+            }
             _ => Ok(()),
         }
     }
@@ -300,17 +296,8 @@ impl<'a> Reader<'a, '_> {
             counts += 1;
         }
         let expected = format!("a joint below {binding_count}, the number of bindings");
-        Err(self.out_of_range(&section, 2 * influence + counts, expected))
-    }
-
-    /// A fault at a word of a section, found by reading the section again: no place is kept for words that are right.
-    fn out_of_range(&self, section: &Section<'a>, word: usize, expected: String) -> FileFault {
-        let mut lexer = self.lexer.from(section.rows_at);
-        for _ in 0..word {
-            lexer.next();
-        }
-        let token = lexer.next();
-        self.lexer.fault(token, expected)
+        let token = section.word(&self.lexer, 2 * influence + counts);
+        Err(self.lexer.fault(token, expected))
     }
 }
 

@@ -11,13 +11,16 @@ const SKEL: &str = "balljoint root { }";
 /// One pixel: blue 1, green 2, red 3.
 const BMP: &[u8] = b"BM\x3a\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\x01\0\0\0\x01\0\0\0\x01\0\x18\0\0\0\0\0\x04\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x01\x02\x03\0";
 const SKIN: &str = "positions 1 { 0 0 0 } triangles 0 { } material m { texture skin.bmp }";
+const LIST: &str = "rig all {\n skin skin.skin\n morphs 1 { sub/a.morph }\n}";
+const MORPH: &str = "positions 1 { 0 1 2 3 }";
 
 /// A folder of its own for each test:
 /// ```text
 /// secret.skel
 /// root/  good.skel  skin.skin  skin.bmp  folder/  pipe
 ///        inside.skel -> good.skel      escape.skel -> ../secret.skel      loop.skel -> loop.skel
-///        sub/  up.skin (its texture is ../../secret.skel)
+///        sub/  up.skin (its texture is ../../secret.skel)  up.rig (it lists ../../secret.skel)  a.morph
+///        all.rig (it lists skin.skin and sub/a.morph)
 /// ```
 struct Folder(PathBuf);
 
@@ -35,6 +38,9 @@ impl Folder {
             ("root/skin.skin", SKIN.as_bytes()),
             ("root/skin.bmp", BMP),
             ("root/sub/up.skin", up.as_bytes()),
+            ("root/all.rig", LIST.as_bytes()),
+            ("root/sub/a.morph", MORPH.as_bytes()),
+            ("root/sub/up.rig", b"rig a { skeleton ../../secret.skel }"),
         ] {
             std::fs::write(base.join(file), content).expect("the temporary folder is ours");
         }
@@ -203,6 +209,70 @@ fn textures_are_looked_up_beside_their_skin() {
 }
 
 #[test]
+fn what_a_list_names_is_looked_up_beside_it_and_counts_in_the_digest() {
+    let folder = Folder::new("list");
+    let local = folder.root().join("all.rig").display().to_string();
+    let sent = |name: &str, bytes: &[u8]| {
+        FileRef::Inline(File {
+            name: name.to_owned(),
+            bytes: bytes.into(),
+        })
+    };
+    let files = [
+        sent("all.rig", LIST.as_bytes()),
+        sent("a.morph", MORPH.as_bytes()),
+        sent("skin.skin", SKIN.as_bytes()),
+        sent("skin.bmp", BMP),
+    ];
+    let inline = load(&files, &Source::inline_only(), &Limits::default()).expect("it is whole");
+    for (source, path) in [(folder.rooted(), "all.rig"), (Source::local(), &*local)] {
+        let loaded = load_path(&source, path).expect("everything lies beside the list");
+        assert_eq!(loaded.name, "all");
+        assert_eq!(loaded.digest, inline.digest);
+        let rig = loaded.rig;
+        assert_eq!(rig.warnings(), [""; 0]);
+        assert_eq!(rig.morphs()[0].name, "a");
+        // The skin was found beside the list, and its texture beside the skin.
+        assert!(rig.materials()[0].texture.is_some());
+    }
+}
+
+#[test]
+fn what_a_list_names_may_not_lie_outside_nor_be_missing() {
+    let folder = Folder::new("list-outside");
+    let local = folder.root().join("sub/up.rig").display().to_string();
+    for (source, path) in [(folder.rooted(), "sub/up.rig"), (Source::local(), &*local)] {
+        let wanted = format!(
+            "{path}:1:18: expected `../../secret.skel` to be a CSE 169 skeleton, but found that it may not be opened: \
+             it leads out of the folder that files are read from"
+        );
+        let found = load_path(&source, path).map(|loaded| loaded.name);
+        assert_eq!(found.map_err(|error| error.to_string()), Err(wanted));
+    }
+    std::fs::remove_file(folder.root().join("sub/a.morph")).expect("it is there");
+    let wanted = "all.rig:3:13: expected `sub/a.morph` to be a CSE 169 morph target, \
+                  but found no such file in the request or beside this one";
+    let found = load_path(&folder.rooted(), "all.rig").map(|loaded| loaded.name);
+    assert_eq!(
+        found.map_err(|error| error.to_string()),
+        Err(wanted.to_owned())
+    );
+}
+
+#[test]
+fn a_fault_in_a_file_that_was_found_names_it_as_a_request_would() {
+    let folder = Folder::new("list-fault");
+    std::fs::write(folder.root().join("sub/a.morph"), "positions x").expect("it is ours");
+    let wanted =
+        "./sub/a.morph:1:11: expected a whole number from 0 after `positions`, but found `x`";
+    let found = load_path(&folder.rooted(), "./all.rig").map(|loaded| loaded.name);
+    assert_eq!(
+        found.map_err(|error| error.to_string()),
+        Err(wanted.to_owned())
+    );
+}
+
+#[test]
 fn a_texture_outside_is_left_out_with_a_warning() {
     let folder = Folder::new("outside");
     let local = folder.root().join("sub/up.skin").display().to_string();
@@ -226,12 +296,15 @@ fn the_bytes_of_all_files_together_are_held_to_their_limit() {
     });
     let path = |path: &str| FileRef::Path(path.to_owned());
     let [skel, skin, picture] = [SKEL.len(), SKIN.len(), BMP.len()].map(|bytes| bytes as u64);
+    let [list, morph] = [LIST.len(), MORPH.len()].map(|bytes| bytes as u64);
     for (files, bytes) in [
         (vec![path("good.skel")], skel),
         (vec![path("good.skel"), inline.clone()], skel + picture),
         (vec![inline, path("good.skel")], skel + picture),
         // The texture that the skin refers to counts.
         (vec![path("skin.skin")], skin + picture),
+        // What a list names counts, and what that refers to.
+        (vec![path("all.rig")], list + morph + skin + picture),
     ] {
         let limits = |rig_file_bytes| Limits {
             rig_file_bytes,

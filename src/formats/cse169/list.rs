@@ -1,0 +1,168 @@
+//! Reads a CSE 169 `.rig`: a list of the files that one character is made of.
+//! Never lives here: looking for these files, and what is in them.
+//!
+//! ```text
+//! rig  := "rig" [NAME] "{" item* "}"
+//! item := "skeleton" FILE | "skin" FILE                                           each at most once
+//!       | "morphs" N "{" (["morph"] FILE){N} "}"                                  at most once
+//! ```
+//! Items come in any order and each may be missing, but a list of nothing is a fault. The name is not used: a rig is called as its
+//! request says. There is one official file of this kind, without morph targets; that an entry of `morphs` is a file's name is taken
+//! from the two other entries.
+
+use super::sections::{Brace, Section};
+use super::{name_and_brace, second, warn_of_rest};
+use crate::formats::error::{FileFault, LoadError, quoted};
+use crate::formats::lexer::{Lexer, Token};
+use crate::limits::Limits;
+use crate::rig::Warnings;
+
+/// A file that the list names.
+#[derive(Debug, PartialEq)]
+pub(in crate::formats) struct Entry {
+    pub role: Role,
+    pub file: String,
+    line: usize,
+    column: usize,
+}
+
+/// What a file is meant to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::formats) enum Role {
+    Skeleton,
+    Skin,
+    Morph,
+}
+
+impl Entry {
+    /// What is due at the entry: `what`, in the file that it names.
+    pub(in crate::formats) fn expected(&self, what: &str) -> String {
+        format!("{} to be {what}", quoted(&self.file))
+    }
+
+    /// A fault at the entry's place in the list called `list`.
+    pub(in crate::formats) fn fault(
+        &self,
+        list: &str,
+        expected: impl Into<String>,
+        found: impl Into<String>,
+    ) -> FileFault {
+        FileFault {
+            line: self.line,
+            column: self.column,
+            ..FileFault::whole(list, expected, found)
+        }
+    }
+}
+
+/// Entries in file order.
+///
+/// # Errors
+/// [`LoadError::Invalid`] at the word that does not fit, [`LoadError::Limit`] where more morph targets are announced than a rig may have.
+pub(in crate::formats) fn read(
+    lexer: Lexer,
+    limits: &Limits,
+    warnings: &mut Warnings,
+) -> Result<Vec<Entry>, LoadError> {
+    let mut reader = Reader {
+        lexer,
+        limits,
+        entries: Vec::new(),
+        seen: Vec::new(),
+    };
+    reader.read(warnings)?;
+    Ok(reader.entries)
+}
+
+struct Reader<'a, 'w> {
+    lexer: Lexer<'a>,
+    limits: &'w Limits,
+    entries: Vec<Entry>,
+    /// Keywords met so far; each of the three is there at most once.
+    seen: Vec<&'a str>,
+}
+
+impl<'a> Reader<'a, '_> {
+    fn read(&mut self, warnings: &mut Warnings) -> Result<(), LoadError> {
+        let rig = self.lexer.next();
+        if rig.text != "rig" {
+            return Err(self.lexer.fault(rig, "`rig`").into());
+        }
+        name_and_brace(&mut self.lexer, rig)?;
+        loop {
+            let word = self.lexer.next();
+            match word.text {
+                "skeleton" => self.read_entry(word, Role::Skeleton)?,
+                "skin" => self.read_entry(word, Role::Skin)?,
+                "morphs" => self.read_morphs(word)?,
+                "}" if self.entries.is_empty() => {
+                    let expected = "`skeleton`, `skin` or `morphs` with a file's name";
+                    return Err(self.lexer.fault(word, expected).into());
+                }
+                "}" => break,
+                "" => return Err(self.lexer.fault(word, "`}` to end the `rig`").into()),
+                _ => self.lexer.skip_unknown(word, is_keyword, warnings)?,
+            }
+        }
+        warn_of_rest(&self.lexer, "the `rig`", warnings);
+        Ok(())
+    }
+
+    fn once(&mut self, keyword: Token<'a>) -> Result<(), FileFault> {
+        if self.seen.contains(&keyword.text) {
+            return Err(second(&self.lexer, keyword));
+        }
+        self.seen.push(keyword.text);
+        Ok(())
+    }
+
+    fn read_entry(&mut self, keyword: Token<'a>, role: Role) -> Result<(), FileFault> {
+        self.once(keyword)?;
+        let place = || format!("after `{}`", keyword.text);
+        let entry = read_file_name(&mut self.lexer, role, place)?;
+        self.entries.push(entry);
+        Ok(())
+    }
+
+    fn read_morphs(&mut self, keyword: Token<'a>) -> Result<(), LoadError> {
+        self.once(keyword)?;
+        let (nouns, limits) = (("morph target", "morph targets"), self.limits);
+        let hold = |count| limits.morph_targets(count);
+        let section = Section::open(&mut self.lexer, keyword, nouns, Brace::Needed, hold)?;
+        let entries = section.read_rows(&mut self.lexer, 2, |lexer, row| {
+            // The word is free to stand there, but a file may also be called that.
+            let mut ahead = lexer.clone();
+            if ahead.take("morph") && ahead.peek().text != "}" {
+                *lexer = ahead;
+            }
+            Ok(read_file_name(lexer, Role::Morph, || section.in_row(row))?)
+        })?;
+        self.entries.extend(entries);
+        Ok(())
+    }
+}
+
+fn read_file_name(
+    lexer: &mut Lexer,
+    role: Role,
+    place: impl Fn() -> String,
+) -> Result<Entry, FileFault> {
+    let token = lexer.next();
+    if matches!(token.text, "" | "{" | "}") {
+        return Err(lexer.fault(token, format!("a file name {}", place())));
+    }
+    let (line, column) = lexer.line_column(token);
+    Ok(Entry {
+        role,
+        file: token.text.to_owned(),
+        line,
+        column,
+    })
+}
+
+fn is_keyword(word: &str) -> bool {
+    matches!(word, "skeleton" | "skin" | "morphs")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,190 @@
+//! The files of one load: those of the request, and those that these refer to, looked up among the others or beside them.
+//! Never lives here: what is in them, and what becomes of a file that cannot be had.
+
+use super::error::{FileFault, LoadError};
+use super::lexer::Lexer;
+use super::recognise::{self, Kind, base_name};
+use super::source::{Budget, Denied, Source};
+use super::{FileRef, text};
+use crate::limits::Limits;
+use crate::rig::Warnings;
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A file in memory.
+#[derive(Debug)]
+pub(super) struct Gathered {
+    /// As the request gives it. That of a file that another one refers to is made of the other's folder and what it is called there.
+    pub name: String,
+    pub bytes: Arc<[u8]>,
+    pub kind: Kind,
+    /// Whether it was opened by its name, so that there is a folder to look beside it.
+    pub by_path: bool,
+}
+
+impl Gathered {
+    pub(super) fn text(&self) -> Result<&str, FileFault> {
+        text::decode(&self.name, &self.bytes)
+    }
+
+    pub(super) fn lexer(&self) -> Result<Lexer<'_>, FileFault> {
+        Ok(Lexer::new(&self.name, self.text()?))
+    }
+}
+
+/// Every file that was read so far.
+pub(super) struct Files<'a> {
+    /// In the order of the request; never empty.
+    sent: Vec<Arc<Gathered>>,
+    by_base_name: HashMap<String, usize>,
+    /// Of each file sent, whether another refers to it.
+    used: Vec<bool>,
+    /// Files that were not sent, by their paths.
+    found: BTreeMap<PathBuf, Arc<Gathered>>,
+    source: &'a Source,
+    budget: Budget<'a>,
+}
+
+impl<'a> Files<'a> {
+    /// Checks the names, then reads and recognises the files in the order given.
+    pub(super) fn gather(
+        files: &[FileRef],
+        source: &'a Source,
+        limits: &'a Limits,
+    ) -> Result<Self, LoadError> {
+        if files.is_empty() {
+            return Err(LoadError::NoFiles);
+        }
+        let mut by_base_name = HashMap::new();
+        for (index, file) in files.iter().enumerate() {
+            let name = name_of(file);
+            check_name(name)?;
+            let base_name = base_name(name).to_owned();
+            if by_base_name.insert(base_name.clone(), index).is_some() {
+                return Err(LoadError::SameName { name: base_name });
+            }
+        }
+        let mut budget = Budget::new(limits);
+        let sent = files
+            .iter()
+            .map(|file| read(file, source, &mut budget).map(Arc::new))
+            .collect::<Result<_, _>>()?;
+        Ok(Self {
+            sent,
+            by_base_name,
+            used: vec![false; files.len()],
+            found: BTreeMap::new(),
+            source,
+            budget,
+        })
+    }
+
+    pub(super) fn sent(&self) -> &[Arc<Gathered>] {
+        &self.sent
+    }
+
+    /// What `from` calls `name`: a file of the request with that base name, else one beside `from` where that was opened by path.
+    pub(super) fn look_up(&mut self, from: &Gathered, name: &str) -> Result<Arc<Gathered>, Denied> {
+        if let Some(&index) = self.by_base_name.get(base_name(name)) {
+            self.used[index] = true;
+            return Ok(self.sent[index].clone());
+        }
+        if !from.by_path {
+            return Err(Denied::NotFound);
+        }
+        let path = Path::new(&from.name).with_file_name(name);
+        if let Some(found) = self.found.get(&path) {
+            return Ok(found.clone());
+        }
+        let bytes = self
+            .source
+            .read_beside(&from.name, name, &mut self.budget)?;
+        let found = Arc::new(Gathered {
+            name: path.display().to_string(),
+            kind: recognise::recognise(name, &bytes),
+            bytes,
+            by_path: true,
+        });
+        self.found.insert(path, found.clone());
+        Ok(found)
+    }
+
+    pub(super) fn warn_of_unused(&self, warnings: &mut Warnings) {
+        for (file, used) in self.sent.iter().zip(&self.used) {
+            if file.kind == Kind::Other && !used {
+                warnings.push(|| format!("`{}` is not used: no file refers to it", file.name));
+            }
+        }
+    }
+
+    /// Base name and content of every file sent or found.
+    pub(super) fn all(&self) -> Vec<(&str, &[u8])> {
+        let files = self.sent.iter().chain(self.found.values());
+        files
+            .map(|file| (base_name(&file.name), &*file.bytes))
+            .collect()
+    }
+}
+
+fn read(file: &FileRef, source: &Source, budget: &mut Budget) -> Result<Gathered, LoadError> {
+    let name = name_of(file);
+    let (bytes, by_path) = match file {
+        FileRef::Path(path) => {
+            let bytes = source.read(path, budget);
+            (bytes.map_err(|denied| of_request(denied, path))?, true)
+        }
+        FileRef::Inline(file) => {
+            budget.spend(file.bytes.len() as u64)?;
+            (file.bytes.clone(), false)
+        }
+    };
+    let kind = recognise::recognise(name, &bytes);
+    if let Kind::Unsupported(_) = kind {
+        let found = kind.described(&bytes);
+        return Err(FileFault::whole(name, recognise::EXPECTED, found).into());
+    }
+    Ok(Gathered {
+        name: name.to_owned(),
+        bytes,
+        kind,
+        by_path,
+    })
+}
+
+fn name_of(file: &FileRef) -> &str {
+    match file {
+        FileRef::Path(path) => path,
+        FileRef::Inline(file) => &file.name,
+    }
+}
+
+fn check_name(name: &str) -> Result<(), LoadError> {
+    /// The longest path that Linux opens. Names come again in every warning.
+    const NAME_BYTES: usize = 4096;
+    let refuse = |file: &str, reason| {
+        let file = file.to_owned();
+        Err(LoadError::PathNotAllowed { file, reason })
+    };
+    if base_name(name).is_empty() {
+        return refuse(name, "it does not end in a file name");
+    }
+    if name.len() > NAME_BYTES {
+        let shown = name
+            .char_indices()
+            .nth(40)
+            .map_or(name, |(end, _)| &name[..end]);
+        return refuse(&format!("{shown}…"), "its name is longer than 4096 bytes");
+    }
+    Ok(())
+}
+
+fn of_request(denied: Denied, path: &str) -> LoadError {
+    let file = path.to_owned();
+    match denied {
+        Denied::NotFound => LoadError::FileNotFound { file },
+        Denied::NotAllowed(reason) => LoadError::PathNotAllowed { file, reason },
+        Denied::Limit(exceeded) => exceeded.into(),
+        Denied::Io(source) => LoadError::Io { file, source },
+    }
+}

@@ -1,0 +1,301 @@
+//! How files of several kinds become one rig: order, names, lists, and what goes with what.
+
+use super::{FORMATS, File, FileRef, LoadError, Loaded, Source, load};
+use crate::limits::Limits;
+use crate::rig::{Rig, RotationOrder};
+use glam::Vec3;
+use std::sync::Arc;
+
+const SKEL: &str = "balljoint a { balljoint b { offset 0 1 0 } }";
+const SKIN: &str = "positions 3 { 0 0 0 1 0 0 0 1 0 } normals 3 { 0 0 1 0 0 1 0 0 1 } \
+    skinweights 3 { 1 0 1 1 1 1 2 0 .5 1 .5 } triangles 1 { 0 1 2 } \
+    bindings 2 { matrix { 1 0 0 0 1 0 0 0 1 0 0 0 } matrix { 1 0 0 0 1 0 0 0 1 0 1 0 } }";
+const SMILE: &str = "positions 1 { 2 0 3 0 } normals 1 { 2 0 2 0 }";
+const FROWN: &str = "positions 1 { 0 0 0 -1 }";
+const WAVE: &str = "animation { range 0 1 numchannels 1 channel { keys 1 { 0 5 flat flat } } }";
+const LIST: &str = "rig a { skeleton a.skel skin a.skin morphs 2 { smile.morph frown.morph } }";
+/// One pixel.
+const BMP: &str = "BM\x3a\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\x01\0\0\0\x01\0\0\0\x01\0\x18\0\0\0\0\0\
+    \x04\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x01\x02\x03\0";
+const MIT_SKEL: &str = "0 0 0 -1\n0 1 0 0\n0 1 0 1\n";
+const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+const ATTACH: &str = "1 0\n0 1\n.5 .5\n";
+
+fn load_files(files: &[(&str, &str)]) -> Result<Loaded, LoadError> {
+    load_with(&Limits::default(), files)
+}
+
+fn load_with(limits: &Limits, files: &[(&str, &str)]) -> Result<Loaded, LoadError> {
+    let inline = |&(name, text): &(&str, &str)| {
+        FileRef::Inline(File {
+            name: name.to_owned(),
+            bytes: text.as_bytes().into(),
+        })
+    };
+    let files: Vec<_> = files.iter().map(inline).collect();
+    load(&files, &Source::inline_only(), limits)
+}
+
+fn refusal(files: &[(&str, &str)]) -> String {
+    match load_files(files) {
+        Ok(loaded) => format!("{} was loaded", loaded.name),
+        Err(error) => error.to_string(),
+    }
+}
+
+fn morph_names(rig: &Rig) -> Vec<&str> {
+    rig.morphs().iter().map(|morph| &*morph.name).collect()
+}
+
+#[test]
+fn a_whole_character_comes_in_any_order_of_files() {
+    let mut files = vec![
+        ("w/wave.anim", WAVE),
+        ("smile.morph", SMILE),
+        ("a.skin", SKIN),
+        ("frown.morph", FROWN),
+        ("a.skel", SKEL),
+    ];
+    for first in ["wave", "smile", "a", "frown", "a"] {
+        let loaded = load_files(&files).expect("it is whole");
+        assert_eq!(loaded.name, first);
+        let readers = ["cse169 skel", "cse169 skin", "cse169 morph", "cse169 anim"];
+        assert_eq!(loaded.dialects, readers);
+        let rig = loaded.rig;
+        assert_eq!((rig.meshes().len(), rig.clips().len()), (1, 1));
+        assert_eq!(rig.clips()[0].name, "wave");
+        let channel = &rig.clips()[0].channels[0];
+        assert_eq!(rig.dofs().all()[channel.dof].name, "a.tx");
+        let smile = rig.morphs().iter().position(|morph| morph.name == "smile");
+        let of_tip = rig.meshes()[0].morph_displacements_of(2);
+        assert_eq!(of_tip.len(), 1);
+        assert_eq!(Some(of_tip[0].morph as usize), smile);
+        assert_eq!(of_tip[0].position, Vec3::Y * 2.0);
+        assert_eq!(of_tip[0].normal, Vec3::Y - Vec3::Z);
+        let told = "w/wave.anim:1:35: of 1 channels those are used that fit the 9 of `a.skel`";
+        assert_eq!(rig.warnings(), [told]);
+        files.rotate_left(1);
+    }
+}
+
+#[test]
+fn a_list_decides_the_order_and_what_it_does_not_name_comes_behind() {
+    let list = ("a.rig", LIST);
+    let others = [
+        ("wink.morph", FROWN),
+        ("frown.morph", FROWN),
+        ("x/a.skin", SKIN),
+        ("smile.morph", SMILE),
+        ("wave.anim", WAVE),
+        ("a.skel", SKEL),
+    ];
+    let loaded = load_files(&[&others[..], &[list]].concat()).expect("it is whole");
+    assert_eq!(loaded.name, "wink");
+    assert_eq!(loaded.dialects, FORMATS[..5]);
+    assert_eq!(morph_names(&loaded.rig), ["smile", "frown", "wink"]);
+    assert_eq!(loaded.rig.clips().len(), 1);
+    let again = load_files(&[&[list][..], &others[..]].concat()).expect("it is whole");
+    assert_eq!((again.name.as_str(), again.digest), ("a", loaded.digest));
+}
+
+#[test]
+fn what_a_list_names_must_be_there_and_be_what_it_says() {
+    let list = |text| [("d/a.rig", text), ("a.skel", SKEL), ("b.rig", "hello")];
+    for (text, wanted) in [
+        (
+            "rig a {\n skin a.skin }",
+            "d/a.rig:2:7: expected `a.skin` to be a CSE 169 skin, but found no such file in the request",
+        ),
+        (
+            "rig a { skin a.skel }",
+            "d/a.rig:1:14: expected `a.skel` to be a CSE 169 skin, but found a CSE 169 skeleton",
+        ),
+        (
+            "rig a { morphs 1 { morph ../a.rig } }",
+            "d/a.rig:1:26: expected `../a.rig` to be a CSE 169 morph target, but found this `.rig` itself",
+        ),
+        (
+            "rig a { skeleton c.bmp }",
+            "d/a.rig:1:18: expected `c.bmp` to be a CSE 169 skeleton, but found a BMP picture",
+        ),
+        (
+            "rig a { skeleton m.skel }",
+            "d/a.rig:1:18: expected `m.skel` to be a CSE 169 skeleton, but found a MIT 6.837 skeleton",
+        ),
+    ] {
+        let files = [
+            list(text)[0],
+            list(text)[1],
+            ("c.bmp", "BM"),
+            ("m.skel", "0 0 0 -1"),
+        ];
+        // The MIT skeleton is one too many only where the list itself is right.
+        assert_eq!(refusal(&files), wanted);
+    }
+    let twice = "rig a { morphs 2 { s.morph s.morph } }";
+    let files = [("a.rig", twice), ("s.morph", SMILE), ("a.skin", SKIN)];
+    assert_eq!(
+        refusal(&files),
+        "a.rig:1:28: expected each file once, but found a second mention of it"
+    );
+    let wanted =
+        "b.rig:1:1: expected one `.rig` in a request, but found both `d/a.rig` and `b.rig`";
+    assert_eq!(refusal(&list(LIST)), wanted);
+    let files = [
+        ("a.rig", "rig a { skeleton a.skel }"),
+        ("a.skel", SKEL),
+        ("b.skel", SKEL),
+    ];
+    let wanted = "`a.skel` and `b.skel` are both skeletons, but a rig has at most one";
+    assert_eq!(refusal(&files), wanted);
+}
+
+#[test]
+fn a_morph_target_needs_exactly_one_skin_and_an_animation_a_skeleton() {
+    let (skel, skin) = (("a.skel", SKEL), ("a.skin", SKIN));
+    let (smile, wave) = (("s.morph", SMILE), ("w.anim", WAVE));
+    let skinless =
+        "s.morph:1:1: expected one skin in the rig, which this morph target changes, but found";
+    for (files, wanted) in [
+        (&[smile][..], format!("{skinless} none")),
+        (&[skel, smile], format!("{skinless} none")),
+        (&[smile, ("a.obj", OBJ)], format!("{skinless} none")),
+        (
+            &[skin, smile, ("b.skin", SKIN)],
+            format!("{skinless} both `a.skin` and `b.skin`"),
+        ),
+        (
+            &[skin, wave],
+            "w.anim:1:1: expected a skeleton in the rig, which this animation moves, but found none".to_owned(),
+        ),
+    ] {
+        assert_eq!(refusal(files), wanted);
+    }
+    // An OBJ file beside the one skin is in nobody's way.
+    let rig = load_files(&[("a.obj", OBJ), skin, smile])
+        .expect("there is one skin")
+        .rig;
+    assert_eq!((rig.meshes().len(), rig.morphs()[0].mesh), (2, 1));
+}
+
+#[test]
+fn an_obj_alone_is_a_static_mesh() {
+    let loaded = load_files(&[("a.obj", OBJ), ("b.obj", OBJ)]).expect("each is a mesh");
+    assert_eq!(loaded.dialects, ["obj"]);
+    assert_eq!(loaded.rig.vertex_count(), 6);
+    assert!(
+        loaded
+            .rig
+            .bindings()
+            .iter()
+            .all(|binding| binding.joint.is_none())
+    );
+    assert_eq!(loaded.rig.warnings(), [""; 0]);
+}
+
+#[test]
+fn an_obj_is_attached_to_a_mit_skeleton() {
+    let mut files = vec![("a.attach", ATTACH), ("a.obj", OBJ), ("a.skel", MIT_SKEL)];
+    for _ in 0..files.len() {
+        let loaded = load_files(&files).expect("it is whole");
+        assert_eq!(loaded.dialects, ["mit6837 skel", "obj", "mit6837 attach"]);
+        let rig = loaded.rig;
+        let joints = rig.skeleton().joints();
+        assert_eq!(
+            (joints.len(), joints[2].rotation_order),
+            (3, RotationOrder::Xyz)
+        );
+        let influences = rig.meshes()[0].influences_of(2).iter();
+        let joints = influences.map(|it| rig.bindings()[it.binding as usize].joint);
+        assert_eq!(joints.collect::<Vec<_>>(), [Some(1), Some(2)]);
+        files.rotate_left(1);
+    }
+}
+
+#[test]
+fn an_attachment_list_needs_both_of_its_ends() {
+    let (skel, cse_skel) = (("a.skel", MIT_SKEL), ("a.skel", SKEL));
+    let (obj, attach) = (("a.obj", OBJ), ("a.attach", ATTACH));
+    for (files, wanted) in [
+        (
+            &[skel, obj][..],
+            "a.obj:1:1: expected an `.attach` file in the rig, which attaches this mesh to `a.skel`, but found none",
+        ),
+        (
+            &[cse_skel, obj],
+            "a.obj:1:1: expected an `.attach` file in the rig, which attaches this mesh to `a.skel`, but found none",
+        ),
+        (
+            &[skel, attach],
+            "a.attach:1:1: expected one OBJ mesh in the rig, which this file attaches to a skeleton, but found none",
+        ),
+        (
+            &[obj, attach],
+            "a.attach:1:1: expected a MIT 6.837 skeleton, which this file attaches a mesh to, but found none",
+        ),
+        (
+            &[obj, cse_skel, attach],
+            "a.attach:1:1: expected a MIT 6.837 skeleton, which this file attaches a mesh to, but found `a.skel`, a CSE 169 skeleton",
+        ),
+        (
+            &[obj, skel, attach, ("b.obj", OBJ)],
+            "a.attach:1:1: expected one OBJ mesh in the rig, which this file attaches to a skeleton, but found both `a.obj` and `b.obj`",
+        ),
+        (
+            &[obj, skel, attach, ("b.attach", ATTACH)],
+            "b.attach:1:1: expected one `.attach` in the rig, but found both `a.attach` and `b.attach`",
+        ),
+        (
+            &[cse_skel, ("b.skel", MIT_SKEL)],
+            "`a.skel` and `b.skel` are both skeletons, but a rig has at most one",
+        ),
+    ] {
+        assert_eq!(refusal(files), wanted);
+    }
+}
+
+#[test]
+fn a_picture_is_decoded_once_and_weighed_before_the_rig_is() {
+    let skin = |texture: &str| format!("{SKIN} material m {{ texture {texture} }}");
+    let (one, other) = (skin("one.bmp"), skin("other.bmp"));
+    let files = [
+        ("1.skin", &*one),
+        ("2.skin", &*one),
+        ("3.skin", &*other),
+        ("one.bmp", BMP),
+        ("other.bmp", BMP),
+    ];
+    let rig = load_files(&files).expect("all are there").rig;
+    let texture = |index: usize| {
+        rig.materials()[index]
+            .texture
+            .as_ref()
+            .expect("it is there")
+    };
+    assert!(Arc::ptr_eq(texture(0), texture(1)));
+    assert!(!Arc::ptr_eq(texture(0), texture(2)));
+    let limits = |rig_bytes| Limits {
+        rig_bytes,
+        ..Limits::default()
+    };
+    // A pixel takes four bytes, and two pictures are different ones whatever is in them.
+    assert!(load_with(&limits(8), &files).is_ok());
+    let found = load_with(&limits(7), &files).map(|loaded| loaded.name);
+    assert!(matches!(found, Err(LoadError::Limit(exceeded)) if exceeded.asked == 8));
+}
+
+#[test]
+fn every_reader_is_told_of() {
+    let files = [
+        ("a.rig", LIST),
+        ("a.skel", SKEL),
+        ("a.skin", SKIN),
+        ("smile.morph", SMILE),
+        ("frown.morph", FROWN),
+        ("wave.anim", WAVE),
+    ];
+    let cse169 = load_files(&files).expect("it is whole").dialects;
+    let files = [("a.attach", ATTACH), ("a.obj", OBJ), ("a.skel", MIT_SKEL)];
+    let mit6837 = load_files(&files).expect("it is whole").dialects;
+    assert_eq!([cse169, mit6837].concat(), FORMATS);
+}
