@@ -7,9 +7,9 @@ use rigd::formats::Source;
 use rigd::limits::Limits;
 use rigd::render::gpu::{AdapterChoice, AdapterError, Backend};
 use rigd::service::Service;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::sync::{Arc, LazyLock};
-use support::pictures::{Tolerance, ask_attached, attached_bytes, draw, matches};
+use support::pictures::{Tolerance, ask_attached, attached_bytes, draw, matches, over};
 
 /// The same rasterizer rules, other shader compilers: rounding anywhere, and one sample of four on a few edges, which is linear 0.25.
 const PICTURES: Tolerance = Tolerance {
@@ -73,15 +73,26 @@ fn both_backends_draw_the_same_pictures() {
             json!({"show": {"skin": "none", "skeleton": "wireframe"}}),
         ),
         (
+            "balls and sticks",
+            json!({"show": {"skeleton": "sticks", "skin_opacity": 0.4}}),
+        ),
+        (
+            "boxes",
+            json!({"show": {"skin": "none", "skeleton": "boxes"}}),
+        ),
+        (
+            "face, with morph targets",
+            json!({"pose": {"base": "rest", "dofs": {"morph.smile": 1, "morph.blink": 0.5}},
+                "camera": {"kind": "look_at", "eye": [-0.08, 1.62, 0.85], "target": [0.02, 1.58, 0.03], "fov_y": 0.42}}),
+        ),
+        (
             "pinhole, wide",
             json!({"size": [160, 90], "camera": {"kind": "pinhole", "fx": 150, "fy": 150, "cx": 60, "cy": 50,
                 "world_from_camera": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0.9, 4, 1]}}),
         ),
     ] {
-        let mut request = json!({"rig": "figure", "size": [120, 160], "pose": {"base": "rest"}});
-        let changes: serde_json::Map<String, Value> =
-            serde_json::from_value(changes).expect("fields");
-        request.as_object_mut().expect("an object").extend(changes);
+        let request = json!({"rig": "figure", "size": [120, 160], "pose": {"base": "rest"}});
+        let request = over(request, changes);
         let [by_gl, by_vulkan] = [gl, vulkan].map(|service| draw(service, &request).image);
         let first = by_vulkan.at(0, 0);
         assert!(
@@ -105,8 +116,13 @@ fn both_backends_draw_the_same_pictures() {
 #[test]
 fn both_backends_skin_the_same_vertices() {
     let Some([gl, vulkan]) = both() else { return };
-    let request = json!({"rig": "figure", "pose": {"base": "rest"}, "transport": "attach"});
-    for attribute in ["positions", "normals"] {
+    let dofs = json!({"morph.smile": 0.7, "forearm_l.rx": -1.2, "spine.ry": 0.5});
+    let request =
+        json!({"rig": "figure", "pose": {"base": "rest", "dofs": dofs}, "transport": "attach"});
+    let ways = ["linear", "dual_quaternion"].into_iter();
+    let cases = ways.flat_map(|skinning| [(skinning, "positions"), (skinning, "normals")]);
+    for (skinning, attribute) in cases {
+        let request = over(request.clone(), json!({"skinning": skinning}));
         let [by_gl, by_vulkan] = [gl, vulkan].map(|service| -> Vec<f32> {
             let (result, attached) = ask_attached(service, "mesh.vertices", &request);
             let bytes = attached_bytes(&result["meshes"][0][attribute], &attached);
@@ -118,7 +134,7 @@ fn both_backends_skin_the_same_vertices() {
         let off = by_gl.iter().zip(&by_vulkan).map(|(a, b)| (a - b).abs());
         // Not `max`, which would pass over what is not a number.
         let worst = off.fold(0.0f32, |worst, off| if off <= worst { worst } else { off });
-        println!("{attribute}: at most {worst:e}");
-        assert!(worst <= VERTICES, "{attribute}: {worst}");
+        println!("{skinning}, {attribute}: at most {worst:e}");
+        assert!(worst <= VERTICES, "{skinning}, {attribute}: {worst}");
     }
 }

@@ -16,14 +16,26 @@ const AT_A_TIME: usize = 4;
 /// keep more or less of from one moment to the next. One picture kept of each, 16 KB as bare pixels, would come to 29 MB.
 const TOLERANCE: usize = 4 << 20;
 
+/// Every way of skinning and every view of the skeleton comes again and again, in a pose that never does.
+fn request(index: usize) -> Value {
+    let turn = (index as f64 * 0.1).sin();
+    let dofs = json!({"spine.ry": 0.4 * turn, "morph.smile": turn});
+    let pose = json!({"clip": {"name": "walk", "time": index as f64 * 0.01}, "dofs": dofs});
+    let views = ["none", "wireframe", "boxes", "sticks", "cylinders"];
+    let show = json!({"skeleton": views[index % 5], "skin_opacity": if index % 3 == 0 { 0.5 } else { 1.0 }});
+    json!({
+        "rig": "figure", "size": [64, 64], "pose": pose, "show": show,
+        "samples": if index % 4 == 0 { 4 } else { 1 },
+        "skinning": if index % 2 == 0 { "linear" } else { "dual_quaternion" },
+    })
+}
+
 fn draw(service: &Arc<Service>, count: usize) {
     std::thread::scope(|scope| {
         for thread in 0..AT_A_TIME {
             scope.spawn(move || {
                 for index in (thread..count).step_by(AT_A_TIME) {
-                    let pose = json!({"dofs": {"spine.ry": (index as f64 * 0.1).sin() * 0.4}});
-                    let samples = if index % 4 == 0 { 4 } else { 1 };
-                    let params = json!({"rig": "figure", "size": [64, 64], "samples": samples, "pose": pose});
+                    let params = request(index);
                     let frame = support::ask_ok(service, "frame.render", params);
                     assert_eq!(frame["width"], 64);
                 }
