@@ -5,13 +5,13 @@
 //!
 //! | room | may name | what lives there |
 //! |---|---|---|
-//! | [`cli`] | [`server`] [`service`] [`engine`] [`client`] [`protocol`] [`formats`] [`limits`] | `serve`, `render`, `inspect`, `call`, `doctor`, `openrpc` |
+//! | [`cli`] | [`server`] [`service`] [`engine`] [`client`] [`protocol`] [`formats`] [`encode`] [`frame`] [`scene`] [`limits`] | `serve`, `render`, `inspect`, `call`, `doctor`, `openrpc` |
 //! | [`server`] | [`service`] [`limits`] | listener, connections, bounded lines, shutdown; knows no method |
 //! | [`client`] | [`protocol`] | a typed blocking client |
 //! | [`service`] | [`protocol`] [`engine`] [`rig`] [`formats`] [`scene`] [`pose`] [`pick`] [`frame`] [`encode`] [`limits`] | a line in, a line out; one file for each family of methods |
 //! | [`engine`] | [`rig`] [`formats`] [`pose`] [`pick`] [`scene`] [`frame`] [`render`] [`encode`] [`limits`] | the use-cases in plain types; the store of rigs; the one thread that owns the renderer |
 //! | [`render`] | [`rig`] [`pose`] [`scene`] [`frame`] [`limits`] | a plan and two renderers of it, [`render::gpu`] and [`render::cpu`], which never name each other |
-//! | [`encode`] | [`frame`] | from frames to PNG, and the threads that do it |
+//! | [`encode`] | [`frame`] [`scene`] | from frames to PNG, animated PNG and GIF, and the threads that do it |
 //! | [`formats`] | [`rig`] [`limits`] | files to rigs, and where files come from |
 //! | [`pick`] | [`rig`] [`pose`] [`scene`] [`frame`] | rays against bones and skin |
 //! | [`pose`] | [`rig`] | joint angles, limits, forward kinematics, the skinning palette |
@@ -26,13 +26,13 @@
 //! |---|---|
 //! | `wgpu` `pollster` | [`render::gpu`] |
 //! | `bytemuck` | [`render::gpu`] [`render`] [`rig`] [`pose`] |
-//! | `rayon` | [`encode`] |
+//! | `rayon` `png` `gif` `color_quant` | [`encode`] |
 //! | `image` | [`encode`] [`formats`] |
 //! | `cap_std` `sha2` | [`formats`] |
 //! | `serde_path_to_error` `strsim` `schemars` `base64` | [`protocol`] |
 //! | `serde` `serde_json` | [`protocol`] [`service`] [`client`] [`cli`] |
 //! | `memory_stats` | [`service`] |
-//! | `clap` `anyhow` `signal_hook` | [`cli`] |
+//! | `clap` `anyhow` `indicatif` `signal_hook` | [`cli`] |
 //! | `std::net` | [`server`] [`client`] |
 //! | `std::fs` | [`formats`] [`cli`] |
 //! | `libm` | [`pose`] [`scene`] [`rig`] |

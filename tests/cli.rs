@@ -1,7 +1,9 @@
 //! Does the program do what its help says, and fail in words?
 
+use image::RgbaImage;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::Once;
 
 const ADAPTER: [&str; 2] = ["--adapter", "llvmpipe"];
 
@@ -22,21 +24,249 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).expect("text")
 }
 
+/// Runs `rigd render` on a small picture of that name; what it printed.
+fn render(name: &str, arguments: &[&str]) -> String {
+    let drawn = ["render", "-o", name, "--size", "48x40"];
+    let output = rigd(&[&drawn, arguments, &ADAPTER].concat());
+    assert!(
+        output.status.success(),
+        "{arguments:?}: {}",
+        text(&output.stderr)
+    );
+    text(&output.stdout)
+}
+
+fn picture(name: &str) -> RgbaImage {
+    let picture = image::open(folder().join(name)).expect("a picture");
+    picture.into_rgba8()
+}
+
+fn drawn(name: &str, arguments: &[&str]) -> RgbaImage {
+    render(name, arguments);
+    picture(name)
+}
+
+/// Of a GIF: the pixels and the delay of each frame in hundredths of a second.
+fn gif_frames(name: &str) -> Vec<(Vec<u8>, u16)> {
+    let file = std::fs::File::open(folder().join(name)).expect("a file");
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut decoder = options
+        .read_info(std::io::BufReader::new(file))
+        .expect("a GIF");
+    assert_eq!(decoder.repeat(), gif::Repeat::Infinite);
+    let mut frames = Vec::new();
+    while let Some(frame) = decoder.read_next_frame().expect("a frame") {
+        frames.push((frame.buffer.to_vec(), frame.delay));
+    }
+    frames
+}
+
+/// Of an animated PNG.
+fn apng_frames(name: &str) -> Vec<Vec<u8>> {
+    let file = std::fs::File::open(folder().join(name)).expect("a file");
+    let decoder = png::Decoder::new(std::io::BufReader::new(file));
+    let mut reader = decoder.read_info().expect("a PNG");
+    let control = reader.info().animation_control.expect("an animation");
+    let mut frame = || {
+        let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+        reader.next_frame(&mut pixels).expect("a frame");
+        pixels
+    };
+    (0..control.num_frames).map(|_| frame()).collect()
+}
+
+/// Everything in the tests' folder whose name begins so, hidden or not.
+fn left_over(stem: &str) -> Vec<String> {
+    let names = std::fs::read_dir(folder()).expect("a folder");
+    let names = names.map(|entry| entry.expect("an entry").file_name());
+    names
+        .map(|name| name.to_string_lossy().into_owned())
+        .filter(|name| name.trim_start_matches('.').starts_with(stem))
+        .collect()
+}
+
 #[test]
 fn a_picture_is_drawn_without_a_daemon() {
-    let arguments = [
-        "render",
-        "-o",
-        "raised.png",
-        "--size",
-        "64x48",
-        "--set",
-        "upper_arm_l.rz=60deg",
+    let said = render("raised.png", &["--set", "upper_arm_l.rz=60deg"]);
+    assert!(said.starts_with("raised.png (48x40, "), "{said}");
+    let picture = picture("raised.png");
+    assert_eq!((picture.width(), picture.height()), (48, 40));
+    assert_eq!(left_over("raised.png"), ["raised.png"]);
+}
+
+#[test]
+fn every_option_changes_the_picture() {
+    let plain = drawn("plain.png", &[]);
+    let options: &[&[&str]] = &[
+        &["--set", "upper_arm_l.rz=60deg"],
+        &["--rotate", "upper_arm_l=0,0,0.70710678,0.70710678"],
+        &["--camera", "90deg,0"],
+        &["--camera=-0.5,0.3,4"],
+        &["--target", "0,2,0"],
+        &["--fov", "20deg"],
+        &["--skin", "bind"],
+        &["--skin", "none"],
+        &["--skeleton", "wireframe", "--skin-opacity", "0.3"],
+        &["--skeleton", "boxes"],
+        &["--skeleton", "sticks", "--skin", "none"],
+        &["--skeleton", "cylinders", "--skin", "none"],
+        &["--skin-opacity", "0.5"],
+        &["--flat"],
+        &["--diffuse", "1,0,0"],
+        &["--specular", "1,1,1"],
+        &["--specular", "1,1,1", "--shininess", "3"],
+        &["--background", "1,1,1"],
+        &["--background", "0,0,0,0"],
+        &["--light", "none"],
+        &["--light", "dir:0.5,-1,-0.3"],
+        &["--light", "dir:0.5,-1,-0.3:1,0,0"],
+        &["--light", "dir:0.5,-1,-0.3:1,0,0:3"],
+        &["--light", "point:0,1,3"],
+        &["--light", "point:0,1,3:inverse_square"],
+        &["--light", "point:0,1,3", "--light", "dir:0,1,0"],
+        &["--ambient", "0,1,0"],
+        &["--samples", "1"],
     ];
-    let output = rigd(&[&arguments[..], &ADAPTER].concat());
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    let picture = image::open(folder().join("raised.png")).expect("a picture");
-    assert_eq!((picture.width(), picture.height()), (64, 48));
+    let mut seen = vec![(&[][..], plain)];
+    for arguments in options {
+        let picture = drawn("option.png", arguments);
+        let same = seen.iter().find(|(_, other)| *other == picture);
+        assert!(
+            same.is_none(),
+            "{arguments:?} draws the same as {:?}",
+            same.map(|(others, _)| others)
+        );
+        seen.push((arguments, picture));
+    }
+}
+
+#[test]
+fn skinning_limits_and_compression_are_passed_on() {
+    let twist = ["--set", "forearm_l.rx=170deg", "--limits", "ignore"];
+    let linear = drawn("twist.png", &twist);
+    let dual = [&twist[..], &["--skinning", "dual_quaternion"]].concat();
+    assert_ne!(linear, drawn("twist.png", &dual));
+    assert_ne!(linear, drawn("twist.png", &twist[..2]), "it was clamped");
+
+    let size = |how| {
+        render("packed.png", &["--compression", how]);
+        let file = std::fs::metadata(folder().join("packed.png"));
+        (file.expect("a file").len(), picture("packed.png"))
+    };
+    let ((fast, quick), (best, small)) = (size("fast"), size("best"));
+    assert!(best < fast, "{best} bytes against {fast}");
+    assert_eq!(quick, small);
+}
+
+#[test]
+fn a_turntable_goes_once_around_in_every_kind_of_file() {
+    let still = drawn("still.png", &[]);
+    let turn = ["--turntable", "4", "--background", "0,0,0,0"];
+
+    let said = render("turn.png", &turn);
+    assert!(
+        said.starts_with("turn_0000.png to turn_0003.png (4 frames of 48x40, "),
+        "{said}"
+    );
+    assert!(!folder().join("turn.png").exists());
+    let numbered: Vec<_> = (0..4)
+        .map(|i| picture(&format!("turn_{i:04}.png")))
+        .collect();
+    let quarter = ["--camera", "120deg,20deg", "--background", "0,0,0,0"];
+    assert_eq!(numbered[1], drawn("quarter.png", &quarter));
+    assert_ne!(numbered[0], numbered[2]);
+
+    render("turn.apng", &turn);
+    let exact: Vec<_> = numbered
+        .iter()
+        .map(|frame| frame.as_raw().clone())
+        .collect();
+    assert_eq!(apng_frames("turn.apng"), exact);
+
+    let said = render("turn.gif", &[&turn[..], &["--fps", "7"]].concat());
+    assert!(said.contains("4 frames of 48x40 at 7 a second"), "{said}");
+    let frames = gif_frames("turn.gif");
+    let delays: Vec<_> = frames.iter().map(|(_, delay)| *delay).collect();
+    assert_eq!(delays, [14, 15, 14, 14]);
+    for ((pixels, _), exact) in frames.iter().zip(&exact) {
+        for (is, was) in pixels.chunks(4).zip(exact.chunks(4)) {
+            assert_eq!(is[3] == 255, was[3] >= 128, "alpha {}", was[3]);
+        }
+    }
+
+    // From where the camera is without a turntable.
+    render("start.png", &["--turntable", "1"]);
+    assert_eq!(picture("start_0000.png"), still);
+}
+
+#[test]
+fn an_animation_of_one_frame_is_one() {
+    let still = drawn("single.png", &[]);
+    render("single.apng", &[]);
+    assert_eq!(apng_frames("single.apng"), [still.into_raw()]);
+    render("single.GIF", &[]);
+    assert_eq!(gif_frames("single.GIF").len(), 1);
+}
+
+#[test]
+fn nothing_is_left_of_a_file_that_failed() {
+    let kept = b"what was there before";
+    let failing = [
+        // Found at the first frame.
+        (&["--set", "head.rX=1"][..], "failed.gif"),
+        (&["--set", "head.rX=1"], "failed.png"),
+        // A field of view past a half turn.
+        (&["--turntable", "3", "--fov", "4"], "failed.apng"),
+    ];
+    for (arguments, name) in failing {
+        std::fs::write(folder().join(name), kept).expect("a file");
+        let output = rigd(&[&["render", "-o", name], arguments, &ADAPTER].concat());
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+        let now = std::fs::read(folder().join(name)).expect("still there");
+        assert_eq!(now, kept, "{name}");
+        assert_eq!(left_over(name), [name]);
+    }
+}
+
+#[test]
+fn a_folder_in_the_way_is_an_error() {
+    std::fs::create_dir_all(folder().join("taken.gif")).expect("a folder");
+    let output = rigd(&[&["render", "-o", "taken.gif"], &ADAPTER[..]].concat());
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("cannot write taken.gif"), "{said}");
+    assert_eq!(left_over("taken.gif"), ["taken.gif"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_stays_and_what_it_leads_to_is_written() {
+    let link = folder().join("link.png");
+    // There may be none of an earlier run.
+    let _ = std::fs::remove_file(&link);
+    std::os::unix::fs::symlink("linked.png", &link).expect("a link");
+    std::fs::write(folder().join("linked.png"), "old").expect("a file");
+    render("link.png", &[]);
+    let metadata = std::fs::symlink_metadata(&link).expect("a link");
+    assert!(metadata.is_symlink());
+    assert_eq!(picture("linked.png").dimensions(), (48, 40));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_an_error_of_every_kind_of_file() {
+    for name in ["full.png", "full.gif", "full.apng"] {
+        let link = folder().join(name);
+        let _ = std::fs::remove_file(&link);
+        std::os::unix::fs::symlink("/dev/full", &link).expect("a link");
+        let drawing = ["render", "-o", name, "--size", "16"];
+        let output = rigd(&[&drawing[..], &ADAPTER].concat());
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        let wanted = format!("cannot write {name}: No space left");
+        assert!(said.contains(&wanted), "{said}");
+    }
 }
 
 #[test]
@@ -45,10 +275,13 @@ fn files_are_inspected_without_graphics() {
     let described: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(described["joint_count"], 25);
     let tree = text(&rigd(&["inspect"]).stdout);
-    assert!(
-        tree.contains("forearm_l") && tree.contains("mesh mesh_0"),
-        "{tree}"
-    );
+    for line in [
+        "meshes\n└─ mesh_0: 4959 vertices, 9914 triangles\n",
+        "joints\n└─ pelvis\n   │   .tx = 0.0000\n",
+        "   ├─ spine\n   │  │   .rx = -2.0°  in -20.0° .. 40.0°\n",
+    ] {
+        assert!(tree.contains(line), "{line}\nis not in\n{tree}");
+    }
 }
 
 #[test]
@@ -129,10 +362,221 @@ fn what_cannot_be_done_is_said_with_a_failing_exit_code() {
             "the parameters are not JSON",
         ),
         (&["render"], 2, "--output"),
+        (
+            &["render", "-o", "x.jpg"],
+            1,
+            "ends in .png, .gif or .apng, but found `x.jpg`",
+        ),
+        (&["render", "-o", "x.png", "--time", "1"], 2, "--clip"),
+        (
+            &["render", "-o", "x.gif", "--turntable", "0"],
+            2,
+            "0 is not in 1..",
+        ),
+        (
+            &["render", "-o", "x.gif", "--turntable", "2", "--fps", "0"],
+            2,
+            "expected 0.01 to 1000 frames a second",
+        ),
+        (
+            &["render", "-o", "x.gif", "--turntable", "2", "--fps", "NaN"],
+            2,
+            "but found `NaN`",
+        ),
+        (
+            &["render", "-o", "x.gif", "--turntable", "2", "--fps", "60"],
+            1,
+            "a GIF shows at most 50 frames a second, but 60 are wanted",
+        ),
+        (
+            &["render", "-o", "x.png", "--fps", "24"],
+            1,
+            "--fps is for a sequence",
+        ),
+        (
+            &[
+                "render", "-o", "x.gif", "--clip", "walk", "--time", "1", "--fps", "24",
+            ],
+            1,
+            "--clip without --time",
+        ),
+        (
+            &["render", "-o", "x.png", "--light", "sun:0,1,0"],
+            2,
+            "expected dir:X,Y,Z[:R,G,B][:INTENSITY] or point:",
+        ),
+        (
+            &[
+                "render",
+                "-o",
+                "x.png",
+                "--light",
+                "none",
+                "--light",
+                "dir:0,1,0",
+            ],
+            1,
+            "goes with no other light",
+        ),
+        (
+            &["render", "-o", "x.png", "--light", "dir:0,0,0"],
+            1,
+            "lights[0]",
+        ),
+        (
+            &["render", "-o", "x.png", "--morph", "smile=1"],
+            1,
+            "morph.smile: the rig has no such DOF",
+        ),
+        (
+            &["render", "-o", "x.gif", "--clip", "walk"],
+            1,
+            "pose.clip.name: the rig has no such clip",
+        ),
+        (
+            &["render", "-o", "x.png", "--rotate", "head=0,0,0,2"],
+            1,
+            "expected a unit quaternion",
+        ),
+        (
+            &[
+                "render",
+                "-o",
+                "x.png",
+                "--limits",
+                "reject",
+                "--set",
+                "head.rx=3",
+            ],
+            1,
+            "head.rx",
+        ),
+        (
+            &["render", "-o", "x.png", "--samples", "2"],
+            2,
+            "[possible values: 1, 4]",
+        ),
     ] {
         let output = rigd(arguments);
         let said = text(&output.stderr);
         assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}");
         assert!(said.contains(wanted), "{arguments:?}: {said}");
+    }
+}
+
+/// A square of two triangles on one joint, a morph target that moves one corner to the middle, and a clip that turns the joint. Written
+/// once, since tests run side by side.
+fn write_animated_rig() {
+    static WRITTEN: Once = Once::new();
+    WRITTEN.call_once(write_card);
+}
+
+fn write_card() {
+    let skel = "balljoint root { }";
+    let skin = "\
+positions 4 { -1 -1 0  1 -1 0  1 1 0  -1 1 0 }
+normals 4 { 0 0 1  0 0 1  0 0 1  0 0 1 }
+skinweights 4 { 1 0 1  1 0 1  1 0 1  1 0 1 }
+triangles 2 { 0 1 2  0 2 3 }
+bindings 1 { matrix { 1 0 0  0 1 0  0 0 1  0 0 0 } }";
+    let morph = "positions 1 { 2 0 0 0 } normals 1 { 2 0 0 1 }";
+    let still = "channel { extrapolate constant constant keys 0 { } }\n".repeat(5);
+    let anim = format!(
+        "animation {{ range 0.5 1 numchannels 6 {still} \
+         channel {{ extrapolate linear linear keys 2 {{ 0 0 linear linear  1 1.5 linear linear }} }} }}"
+    );
+    for (name, content) in [
+        ("card.skel", skel),
+        ("card.skin", skin),
+        ("corner.morph", morph),
+        ("turn.anim", &anim),
+    ] {
+        std::fs::write(folder().join(name), content).expect("a file");
+    }
+}
+
+const CARD: [&str; 4] = ["card.skel", "card.skin", "corner.morph", "turn.anim"];
+
+fn card(name: &str, arguments: &[&str]) -> String {
+    render(name, &[&CARD, arguments].concat())
+}
+
+#[test]
+fn a_morph_target_is_set_by_its_name() {
+    write_animated_rig();
+    card("morph0.png", &["--morph", "corner=0"]);
+    card("morph1.png", &["--morph", "corner=1"]);
+    card("morph_dof.png", &["--set", "morph.corner=1"]);
+    assert_ne!(picture("morph0.png"), picture("morph1.png"));
+    assert_eq!(picture("morph1.png"), picture("morph_dof.png"));
+}
+
+#[test]
+fn a_clip_is_a_picture_at_its_start_or_at_a_time() {
+    write_animated_rig();
+    let said = card("clip.png", &["--clip", "turn"]);
+    assert!(said.starts_with("clip.png ("), "{said}");
+    card("clip_start.png", &["--clip", "turn", "--time", "0.5"]);
+    card("clip_later.png", &["--clip", "turn", "--time", "0.8"]);
+    assert_eq!(picture("clip.png"), picture("clip_start.png"));
+    assert_ne!(picture("clip.png"), picture("clip_later.png"));
+}
+
+#[test]
+fn a_clip_is_played_from_its_start_to_its_end() {
+    write_animated_rig();
+    // Half a second at 8 a second: 0.5, 0.625, 0.75, 0.875.
+    card("play.apng", &["--clip", "turn", "--fps", "8"]);
+    let frames = apng_frames("play.apng");
+    assert_eq!(frames.len(), 4);
+    card("played.png", &["--clip", "turn", "--time", "0.875"]);
+    assert_eq!(frames[3], picture("played.png").into_raw());
+
+    card("play.png", &["--clip", "turn", "--fps", "8"]);
+    assert_eq!(picture("play_0003.png"), picture("played.png"));
+    card("play.gif", &["--clip", "turn"]);
+    assert_eq!(gif_frames("play.gif").len(), 12, "24 a second");
+}
+
+#[test]
+fn a_turntable_plays_a_clip_unless_a_time_is_given() {
+    write_animated_rig();
+    let turn = ["--clip", "turn", "--fps", "8", "--turntable", "2"];
+    card("both.apng", &turn);
+    card(
+        "second.png",
+        &[
+            "--clip",
+            "turn",
+            "--time",
+            "0.625",
+            "--camera",
+            "210deg,20deg",
+        ],
+    );
+    assert_eq!(
+        apng_frames("both.apng")[1],
+        picture("second.png").into_raw()
+    );
+    card("held.apng", &[&turn[..], &["--time", "0.5"]].concat());
+    let (held, both) = (apng_frames("held.apng"), apng_frames("both.apng"));
+    assert_eq!(held[0], both[0]);
+    assert_ne!(held[1], both[1]);
+}
+
+#[test]
+fn morphs_and_clips_are_listed() {
+    write_animated_rig();
+    let output = rigd(&[&["inspect"], &CARD[..]].concat());
+    let tree = text(&output.stdout);
+    for line in [
+        "morphs\n└─ corner: 1 vertex of mesh ",
+        "clips\n└─ turn: 0.5 s to 1 s, ",
+    ] {
+        assert!(
+            tree.contains(line),
+            "{line}\nis not in\n{tree}{}",
+            text(&output.stderr)
+        );
     }
 }

@@ -5,11 +5,12 @@ use crate::engine::{Engine, LoadedRig, RendererChoice};
 use crate::formats::Source;
 use crate::limits::Limits;
 use crate::protocol::{Id, Outgoing, Reply};
-use crate::service::Service;
+use crate::service::{Conversation, Message, Pending, Service};
 use anyhow::Context;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::sync::Arc;
+use std::time::Instant;
 
 impl RendererArgs {
     pub(super) fn open(&self) -> anyhow::Result<Engine> {
@@ -41,6 +42,15 @@ pub(super) fn ask<P: Serialize, R: DeserializeOwned>(
     method: &str,
     params: &P,
 ) -> anyhow::Result<(R, Vec<u8>)> {
+    read(begin(&mut service.converse(), method, params)?)
+}
+
+/// Asks without waiting; several requests of one conversation may be on their way.
+pub(super) fn begin<P: Serialize>(
+    conversation: &mut Conversation,
+    method: &str,
+    params: &P,
+) -> anyhow::Result<Pending> {
     let request = Outgoing {
         id: Some(&Id::Null),
         method,
@@ -48,11 +58,20 @@ pub(super) fn ask<P: Serialize, R: DeserializeOwned>(
         deadline_ms: None,
         attach_bytes: 0,
     };
-    let reply = service.answer(&request.line()?, Vec::new());
-    let reply = reply.context("a request with an id is answered")?;
+    let message = Message::read(&request.line()?, Instant::now());
+    conversation
+        .begin(message, Vec::new())
+        .context("a request with an id is answered")
+}
+
+/// Waits for what was asked.
+pub(super) fn read<R: DeserializeOwned>(pending: Pending) -> anyhow::Result<(R, Vec<u8>)> {
+    let mut reply = pending.wait();
     let result = Reply::parse(&reply.line)?.outcome?;
-    Ok((
-        serde_json::from_str(result.get())?,
-        reply.attachments.concat(),
-    ))
+    let attached = match reply.attachments.as_mut_slice() {
+        // The usual case, without a copy.
+        [only] => std::mem::take(only),
+        parts => parts.concat(),
+    };
+    Ok((serde_json::from_str(result.get())?, attached))
 }

@@ -31,7 +31,7 @@ pub struct Cli {
 enum Command {
     /// Listen for requests until told to stop
     Serve(serve::ServeArgs),
-    /// Draw one picture, without a daemon
+    /// Draw a picture or a sequence of them, without a daemon
     Render(Box<render::RenderArgs>),
     /// Tell what is in the files of a rig, and what is odd about them
     Inspect(inspect::InspectArgs),

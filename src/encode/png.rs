@@ -1,4 +1,4 @@
-//! From frames to files, and the threads that do it. Never on the renderer's thread, and it never asks what a frame shows.
+//! A frame as a PNG file. Never lives here: several frames in one file.
 
 use crate::frame::Frame;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -34,29 +34,6 @@ pub fn png(frame: &Frame, compression: Compression) -> Result<Vec<u8>, ImageErro
         ExtendedColorType::Rgba8,
     )?;
     Ok(file)
-}
-
-/// Threads for encoding and for writing replies, as many as the machine has cores.
-pub struct Pool {
-    threads: rayon::ThreadPool,
-}
-
-impl Pool {
-    /// # Errors
-    /// Where the system gives no threads.
-    pub fn new() -> Result<Self, rayon::ThreadPoolBuildError> {
-        let threads = rayon::ThreadPoolBuilder::new()
-            .thread_name(|index| format!("encode-{index}"))
-            // Whoever waits for the work is answered as it is dropped; the other threads go on.
-            .panic_handler(|_| {})
-            .build()?;
-        Ok(Self { threads })
-    }
-
-    /// Runs `work` some time soon. How much may wait is up to the caller, who admits requests.
-    pub fn spawn(&self, work: impl FnOnce() + Send + 'static) {
-        self.threads.spawn_fifo(work);
-    }
 }
 
 #[cfg(test)]

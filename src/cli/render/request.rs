@@ -1,0 +1,104 @@
+//! From what was typed to a frame request. Never lives here: which frames of a sequence are asked for.
+
+use super::args::{CameraArgs, LightArgs, LookArgs, PoseArgs, RenderArgs};
+use crate::cli::values::{Assignment, LightArg, Rotation, Weight};
+use crate::protocol::blob::PictureTransport;
+use crate::protocol::camera::{Camera, Light, Orbit};
+use crate::protocol::frame::{FrameParams, Material, Show, ShowNormals};
+use crate::protocol::pose::Pose;
+use anyhow::bail;
+
+impl RenderArgs {
+    /// A request for one frame, but for the moment of a clip.
+    pub(super) fn request(&self, rig: &str) -> anyhow::Result<FrameParams> {
+        Ok(FrameParams {
+            pose: self.pose.pose(),
+            skinning: self.pose.skinning.into(),
+            show: self.look.show(),
+            camera: Camera::Orbit(self.camera.orbit()),
+            lights: self.light.lights()?,
+            ambient: self.light.ambient.map(|ambient| ambient.0),
+            material: self.look.material(),
+            background: self.look.background.map(|background| background.0),
+            size: self.output.size.0,
+            samples: self.output.samples.into(),
+            compression: self.output.compression.into(),
+            transport: PictureTransport::Attach,
+            ..FrameParams::of(rig)
+        })
+    }
+}
+
+impl PoseArgs {
+    fn pose(&self) -> Pose {
+        let dofs = self.assignments.iter().cloned();
+        let dofs = dofs.map(|Assignment { dof, value }| (dof, value));
+        let morphs = self.morphs.iter();
+        let morphs = morphs.map(|Weight { morph, weight }| (format!("morph.{morph}"), *weight));
+        let rotations = self.rotations.iter().cloned();
+        let rotations = rotations.map(|Rotation { joint, quaternion }| (joint, quaternion));
+        Pose {
+            rotations: rotations.collect(),
+            dofs: dofs.chain(morphs).collect(),
+            limits: self.limits.into(),
+            ..Pose::default()
+        }
+    }
+}
+
+impl CameraArgs {
+    fn orbit(&self) -> Orbit {
+        Orbit {
+            target: self.target.map(|target| target.0),
+            distance: self.camera.and_then(|camera| camera.distance),
+            azimuth: self.camera.map(|camera| camera.azimuth),
+            inclination: self.camera.map(|camera| camera.inclination),
+            fov_y: self.fov.map(|fov| fov.0),
+            near: None,
+        }
+    }
+}
+
+impl LookArgs {
+    fn show(&self) -> Show {
+        Show {
+            skin: self.skin.into(),
+            skeleton: self.skeleton.into(),
+            skin_opacity: self.skin_opacity,
+            normals: if self.flat {
+                ShowNormals::Flat
+            } else {
+                ShowNormals::Smooth
+            },
+        }
+    }
+
+    fn material(&self) -> Material {
+        Material {
+            diffuse: self.diffuse.map(|diffuse| diffuse.0),
+            specular: self.specular.map(|specular| specular.0),
+            shininess: self.shininess,
+        }
+    }
+}
+
+impl LightArgs {
+    /// `None` for those of the protocol.
+    fn lights(&self) -> anyhow::Result<Option<Vec<Light>>> {
+        match self.lights.as_slice() {
+            [] => Ok(None),
+            [LightArg::None] => Ok(Some(Vec::new())),
+            several => {
+                let light = |light: &LightArg| match light {
+                    LightArg::Light(light) => Ok(light.clone()),
+                    LightArg::None => bail!("`--light none` goes with no other light"),
+                };
+                several
+                    .iter()
+                    .map(light)
+                    .collect::<Result<_, _>>()
+                    .map(Some)
+            }
+        }
+    }
+}
