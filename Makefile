@@ -6,11 +6,11 @@ export NODEVICE_SELECT = 1
 
 .PHONY: demo test setup bench clean
 
-## Draws the built-in figure through a running daemon: pictures and vertices in out/.
+## Draws the built-in figure through a running daemon: pictures, vertices and answers in out/.
 demo:
-	$(CARGO) build --release --locked
+	$(CARGO) build --release --locked --bin rigd --example contact_sheet
 	sh scripts/setup.sh driver
-	sh scripts/demo.sh target/release/rigd out
+	sh scripts/demo.sh target/release/rigd target/release/examples/contact_sheet out
 
 ## Everything that has to hold before a change is taken.
 test: setup

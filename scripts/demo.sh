@@ -1,9 +1,11 @@
 #!/bin/sh
-# demo.sh RIGD OUT: starts the daemon RIGD, poses the built-in figure over TCP, and leaves pictures and vertices in the folder OUT.
+# demo.sh RIGD SHEET OUT: starts the daemon RIGD, asks it for pictures, vertices and answers about the built-in figure over TCP, lets the
+# client SHEET lay some out in one picture, and leaves everything in the folder OUT.
 set -eu
 
 rigd=$1
-out=$2
+sheet=$2
+out=$3
 mkdir -p "$out"
 
 # Port 0: whatever runs on the usual one is left alone. The first line that the daemon prints ends in its address.
@@ -27,26 +29,27 @@ call() {
     "$rigd" call --connect "$address" "$@" >/dev/null 2>&1 || { "$rigd" call --connect "$address" "$@"; exit 1; }
 }
 
-call frame.render '{"rig": "figure", "size": [512, 512]}' -o "$out/rest.png"
+"$sheet" "$address" "$out/sheet.png"
 
-call pose.set '{"rig": "figure", "pose": {"dofs": {
-    "upper_arm_r.rx": -1.40, "upper_arm_r.ry": 0.17, "upper_arm_r.rz": 0.31,
-    "forearm_r.rx": -0.35, "forearm_r.ry": 1.66, "hand_r.rz": -0.17, "fingers_r.rz": 0.09,
-    "upper_arm_l.rz": -1.08, "forearm_l.ry": -1.05,
-    "head.ry": -0.03, "head.rz": 0.14, "neck.ry": 0, "spine.rz": 0.07}}}'
-call frame.render '{"rig": "figure", "size": [840, 560], "compression": "default",
-    "camera": {"kind": "orbit", "azimuth": 0.314, "inclination": 0.07, "distance": 2.75}}' -o "$out/wave.png"
-call frame.render '{"rig": "figure", "size": [512, 512], "show": {"skeleton": "wireframe", "skin_opacity": 0.45},
-    "camera": {"kind": "orbit", "azimuth": 3.5}}' -o "$out/bones.png"
-call frame.render '{"rig": "figure", "size": [512, 512],
-    "camera": {"kind": "look_at", "eye": [0.35, 1.66, 0.85], "target": [0.02, 1.58, 0.05], "fov_y": 0.6}}' -o "$out/face.png"
-
+# A stored pose, built up in steps: a moment of a clip, a turn about the world's axis, an expression.
+call pose.set '{"rig": "figure", "pose": {"clip": {"name": "walk", "time": 0.2}, "dofs": {"pelvis.tz": 0, "morph.smile": 0.8}}}'
+call pose.rotate '{"rig": "figure", "joint": "head", "axis": [0, 1, 0], "angle": 0.5, "space": "world"}'
+call frame.render '{"rig": "figure", "size": [512, 512], "camera": {"kind": "orbit", "azimuth": -0.5, "inclination": 0.1}}' -o "$out/stride.png"
+call frame.render '{"rig": "figure", "size": [512, 512], "show": {"skeleton": "sticks", "skin_opacity": 0.35},
+    "camera": {"kind": "orbit", "azimuth": -0.5, "inclination": 0.1}}' -o "$out/bones.png"
 # The skinned vertices of the same pose: float32, little-endian, three to a vertex.
 call mesh.vertices '{"rig": "figure", "attributes": ["positions"], "transport": "attach"}' -o "$out/vertices.f32"
+# What the middle of the picture shows.
+"$rigd" call --connect "$address" scene.pick '{"rig": "figure", "size": [512, 512], "pixel": [256, 200],
+    "camera": {"kind": "orbit", "azimuth": -0.5, "inclination": 0.1}}' >"$out/pick.json"
 
 kill -TERM "$daemon"
 wait "$daemon"
 trap - EXIT
-for file in rest.png wave.png bones.png face.png vertices.f32; do
+
+# Without a daemon: the whole clip as an animation.
+"$rigd" render -o "$out/walk.gif" --clip walk --fps 25 --size 240x320 --set pelvis.tz=0 --camera=-50deg,8deg >/dev/null
+
+for file in sheet.png stride.png bones.png vertices.f32 pick.json walk.gif; do
     echo "$out/$file  $(wc -c <"$out/$file") bytes"
 done

@@ -1,8 +1,10 @@
 //! Do the README's examples do what it says, and is its picture what the program draws?
 
+#[path = "../examples/contact_sheet.rs"]
+#[allow(dead_code, reason = "its main writes the picture")]
+mod contact_sheet;
 mod support;
 
-use serde_json::Value;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -90,33 +92,14 @@ fn the_python_client_works_as_written_and_is_short() {
 }
 
 #[test]
-fn the_picture_is_what_the_demo_draws() {
-    let demo = include_str!("../scripts/demo.sh");
-    let service = support::service();
-    // The demo's own words: what stands between quotes behind `call pose.set`, and behind the `frame.render` that makes wave.png.
-    let pose = demo
-        .split("call pose.set '")
-        .nth(1)
-        .and_then(|rest| rest.split('\'').next())
-        .expect("a pose");
-    let render = demo
-        .split("' -o \"$out/wave.png\"")
-        .next()
-        .and_then(|rest| rest.rsplit('\'').next())
-        .expect("a request");
-    support::ask_ok(
-        &service,
-        "pose.set",
-        serde_json::from_str(pose).expect("JSON"),
-    );
-    let request: Value = serde_json::from_str(render).expect("JSON");
-    let frame = support::ask_ok(&service, "frame.render", request);
-    let drawn = image::load_from_memory(&support::server::png(&frame))
-        .expect("a PNG")
-        .into_rgba8();
-    let shown = image::open(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/images/wave.png"))
-        .expect("the picture");
-    let shown = shown.into_rgba8();
+fn the_picture_is_what_the_example_draws() {
+    let server = TestServer::start(&support::service());
+    let drawn = contact_sheet::sheet(&server.address.to_string()).expect("a sheet");
+    let shown = image::open(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/docs/images/sheet.png"
+    ));
+    let shown = shown.expect("the picture").into_rgba8();
     assert_eq!(drawn.dimensions(), shown.dimensions());
     let differs = |(a, b): &(&image::Rgba<u8>, &image::Rgba<u8>)| {
         a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 8)
@@ -126,6 +109,6 @@ fn the_picture_is_what_the_demo_draws() {
     let most = shown.pixels().len() / 500;
     assert!(
         differing <= most,
-        "{differing} pixels differ: run `make demo`, then cp out/wave.png docs/images/"
+        "{differing} pixels differ: run `make demo`, then cp out/sheet.png docs/images/"
     );
 }
