@@ -8,12 +8,12 @@ use png::{BitDepth, ColorType, Encoder, Filter, SrgbRenderingIntent, Writer};
 use std::io::Write;
 
 /// An animated PNG in the making, RGBA8 and sRGB, that plays over and over. One frame is held at a time.
-pub struct Apng<W: Write> {
+pub struct AnimatedPng<W: Write> {
     writer: Writer<W>,
     size: Size,
 }
 
-impl<W: Write> Apng<W> {
+impl<W: Write> AnimatedPng<W> {
     /// # Errors
     /// Where `out` fails, or where there are to be no frames.
     pub fn new(
@@ -85,7 +85,7 @@ mod tests {
     ) -> Result<Vec<u8>, AnimationError> {
         let mut file = Vec::new();
         let rate = FrameRate::new(24.0).unwrap();
-        let mut apng = Apng::new(&mut file, SIZE, promised, rate, compression)?;
+        let mut apng = AnimatedPng::new(&mut file, SIZE, promised, rate, compression)?;
         for frame in frames {
             apng.push(frame)?;
         }

@@ -11,7 +11,7 @@ use std::io::Write;
 
 /// An animated GIF in the making that plays over and over: 256 colors for each frame, pixels opaque or not there at all. One frame is
 /// held at a time.
-pub struct Gif<W: Write> {
+pub struct AnimatedGif<W: Write> {
     encoder: Encoder<W>,
     size: Size,
     rate: FrameRate,
@@ -19,7 +19,7 @@ pub struct Gif<W: Write> {
     written: u32,
 }
 
-impl<W: Write> Gif<W> {
+impl<W: Write> AnimatedGif<W> {
     /// Viewers take a frame of less than two hundredths of a second for a mistake and show it for ten.
     pub const MOST_PER_SECOND: f64 = 50.0;
 
@@ -127,7 +127,7 @@ mod tests {
         compression: Compression,
     ) -> Result<Vec<u8>, AnimationError> {
         let mut file = Vec::new();
-        let mut gif = Gif::new(&mut file, SIZE, FrameRate::new(fps).unwrap(), compression)?;
+        let mut gif = AnimatedGif::new(&mut file, SIZE, FrameRate::new(fps).unwrap(), compression)?;
         for frame in frames {
             gif.push(frame)?;
         }
@@ -180,7 +180,7 @@ mod tests {
         };
         let rate = FrameRate::new(24.0).unwrap();
         assert!(matches!(
-            Gif::new(Vec::new(), huge, rate, Compression::Fast),
+            AnimatedGif::new(Vec::new(), huge, rate, Compression::Fast),
             Err(AnimationError::TooLarge { .. })
         ));
         let mut other = frame(0);

@@ -8,7 +8,7 @@ mod png;
 mod pool;
 
 pub use self::animation::{AnimationError, FrameRate};
-pub use self::apng::Apng;
-pub use self::gif::Gif;
+pub use self::apng::AnimatedPng;
+pub use self::gif::AnimatedGif;
 pub use self::png::{Compression, png};
 pub use self::pool::Pool;

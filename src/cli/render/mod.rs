@@ -9,7 +9,7 @@ mod shots;
 pub(super) use args::RenderArgs;
 
 use super::{local, print, printable};
-use crate::encode::{Compression, Gif};
+use crate::encode::{AnimatedGif, Compression};
 use crate::formats::Source;
 use crate::protocol::frame as wire;
 use crate::protocol::pose::Clamped;
@@ -31,7 +31,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let [width, height] = args.output.size.0;
     let (motion, rate) = (args.motion(format)?, args.rate()?);
     if format == Format::Gif {
-        Gif::<Vec<u8>>::accept(rate)?;
+        AnimatedGif::<Vec<u8>>::accept(rate)?;
     }
     let mut request = args.request("")?;
     request.image = format.image();

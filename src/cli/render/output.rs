@@ -1,6 +1,6 @@
 //! The files of a sequence, each of which takes its name when it is whole. Never lives here: how frames are drawn or packed.
 
-use crate::encode::{Apng, Compression, FrameRate, Gif};
+use crate::encode::{AnimatedGif, AnimatedPng, Compression, FrameRate};
 use crate::frame::Frame;
 use crate::protocol::frame::ImageFormat;
 use crate::scene::Size;
@@ -62,8 +62,8 @@ pub(super) struct Reel {
 }
 
 enum Animation {
-    Gif(Gif<BufWriter<File>>),
-    Apng(Apng<BufWriter<File>>),
+    Gif(AnimatedGif<BufWriter<File>>),
+    Apng(AnimatedPng<BufWriter<File>>),
 }
 
 impl Reel {
@@ -159,9 +159,9 @@ impl Terms {
         let animation = match self.format {
             Format::Apng => {
                 let frames = self.frames.unwrap_or(1);
-                Animation::Apng(Apng::new(file, size, frames, rate, compression)?)
+                Animation::Apng(AnimatedPng::new(file, size, frames, rate, compression)?)
             }
-            _ => Animation::Gif(Gif::new(file, size, rate, compression)?),
+            _ => Animation::Gif(AnimatedGif::new(file, size, rate, compression)?),
         };
         Ok((animation, unfinished))
     }
