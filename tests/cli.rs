@@ -276,7 +276,7 @@ fn files_are_inspected_without_graphics() {
     assert_eq!(described["joint_count"], 25);
     let tree = text(&rigd(&["inspect"]).stdout);
     for line in [
-        "meshes\n└─ mesh_0: 4959 vertices, 9914 triangles\n",
+        "meshes\n└─ mesh_0: 5961 vertices, 9914 triangles, material skin, texture coordinates\n",
         "joints\n└─ pelvis\n   │   .tx = 0.0000\n",
         "   ├─ spine\n   │  │   .rx = -2.0°  in -20.0° .. 40.0°\n",
     ] {
@@ -424,12 +424,12 @@ fn what_cannot_be_done_is_said_with_a_failing_exit_code() {
             "lights[0]",
         ),
         (
-            &["render", "-o", "x.png", "--morph", "smile=1"],
+            &["render", "-o", "x.png", "--morph", "frown=1"],
             1,
-            "morph.smile: the rig has no such DOF",
+            "morph.frown: the rig has no such DOF",
         ),
         (
-            &["render", "-o", "x.gif", "--clip", "walk"],
+            &["render", "-o", "x.gif", "--clip", "dance"],
             1,
             "pose.clip.name: the rig has no such clip",
         ),

@@ -22,11 +22,11 @@ fn request(index: usize) -> Value {
     let dofs = json!({"spine.ry": 0.4 * turn, "morph.smile": turn});
     let pose = json!({"clip": {"name": "walk", "time": index as f64 * 0.01}, "dofs": dofs});
     let views = ["none", "wireframe", "boxes", "sticks", "cylinders"];
-    let show = json!({"skeleton": views[index % 5], "skin_opacity": if index % 3 == 0 { 0.5 } else { 1.0 }});
+    let show = json!({"skeleton": views[index % 5], "skin_opacity": if index.is_multiple_of(3) { 0.5 } else { 1.0 }});
     json!({
         "rig": "figure", "size": [64, 64], "pose": pose, "show": show,
-        "samples": if index % 4 == 0 { 4 } else { 1 },
-        "skinning": if index % 2 == 0 { "linear" } else { "dual_quaternion" },
+        "samples": if index.is_multiple_of(4) { 4 } else { 1 },
+        "skinning": if index.is_multiple_of(2) { "linear" } else { "dual_quaternion" },
     })
 }
 

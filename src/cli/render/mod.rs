@@ -15,12 +15,14 @@ use crate::protocol::frame as wire;
 use crate::protocol::pose::Clamped;
 use crate::scene::Size;
 use crate::service::Service;
-use anyhow::Context;
+use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use output::{Format, Reel, Terms};
 use shots::{Motion, Shots};
+use signal_hook::consts::{SIGINT, SIGTERM};
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Frames that are drawn or wait for it while one is written: two keep the renderer busy, and three of the largest stay within what one
 /// client may have in flight.
@@ -60,7 +62,15 @@ fn draw(service: &Arc<Service>, shots: &Shots, mut reel: Reel) -> anyhow::Result
     let mut asked = VecDeque::with_capacity(IN_FLIGHT);
     let mut clamped = BTreeSet::new();
     let progress = progress(shots.count());
+    let stopped = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&stopped))?;
+    }
     loop {
+        // Here and not wherever it comes: what is half written is then cleared away.
+        if stopped.load(Ordering::Relaxed) {
+            bail!("stopped");
+        }
         while asked.len() < IN_FLIGHT
             && let Some(index) = to_ask.next()
         {
