@@ -86,6 +86,27 @@ fn boxes_have_the_corners_of_their_file() {
 }
 
 #[test]
+fn the_default_camera_sees_all_boxes_of_a_rig_without_skin() {
+    // Far larger than the distance between the joints.
+    load(
+        "bulky",
+        "balljoint a { boxmin -3 -1 -1 boxmax 1 5 1 balljoint b { offset 0.1 0 0 } }",
+    );
+    for (view, azimuth) in VIEWS.iter().flat_map(|view| [(view, 0.5), (view, 3.0)]) {
+        let camera = json!({"camera": {"kind": "orbit", "azimuth": azimuth}});
+        let [left, right, top, bottom] = covered(&seen("bulky", view, camera));
+        assert!(
+            left > 0 && right < 127 && top > 0 && bottom < 127,
+            "{view} from {azimuth}"
+        );
+        assert!(
+            *view != "boxes" || bottom - top > 60,
+            "it fills the picture"
+        );
+    }
+}
+
+#[test]
 fn bones_are_as_thick_as_they_are_long_or_as_the_rig_has_them() {
     load("thick", ARM);
     // A tenth of the median length, which is 4: 0.4 in radius, 12.8 pixels across; on edge a hexagon is narrower.

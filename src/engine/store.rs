@@ -7,6 +7,7 @@ use crate::pose::{Clamped, Pose, Posed, Skinning};
 use crate::render::cpu;
 use crate::rig::Rig;
 use crate::scene::Bounds;
+use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -21,6 +22,8 @@ pub struct LoadedRig {
     pub rig: Arc<Rig>,
     /// Of skinned vertices and joints at rest, in world space.
     pub rest_bounds: Bounds,
+    /// What the default camera frames: the same, and of a rig without skin the joints' boxes as well.
+    pub framed: Bounds,
 }
 
 impl LoadedRig {
@@ -37,13 +40,20 @@ impl LoadedRig {
         } = loaded;
         let name = name.map_or(stem, str::to_owned);
         let rig = Arc::new(rig);
-        let rest_bounds = bounds_of(&Posed::new(&Pose::rest(&rig))?);
+        let rest = Posed::new(&Pose::rest(&rig))?;
+        let rest_bounds = bounds_of(&rest);
+        let framed = if rig.vertex_count() == 0 {
+            with_boxes(rest_bounds, &rest)
+        } else {
+            rest_bounds
+        };
         Ok(Self {
             name,
             digest,
             dialects,
             rig,
             rest_bounds,
+            framed,
         })
     }
 
@@ -228,4 +238,26 @@ fn bounds_of(posed: &Posed) -> Bounds {
             .chain(joints),
     )
     .unwrap_or(Bounds::ORIGIN)
+}
+
+fn with_boxes(bounds: Bounds, posed: &Posed) -> Bounds {
+    let joints = posed.rig().skeleton().joints().iter();
+    let boxes = joints
+        .zip(posed.world_from_joint())
+        .flat_map(|(joint, world_from_joint)| {
+            let corners = joint.bounding_box.into_iter().flat_map(|[min, max]| {
+                (0..8).map(move |corner: usize| {
+                    let side = |axis: usize| {
+                        if corner >> axis & 1 == 0 {
+                            min[axis]
+                        } else {
+                            max[axis]
+                        }
+                    };
+                    DVec3::new(side(0), side(1), side(2))
+                })
+            });
+            corners.map(|corner| world_from_joint.transform_point3(corner))
+        });
+    Bounds::of(boxes.chain([bounds.min, bounds.max])).unwrap_or(bounds)
 }

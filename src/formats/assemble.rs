@@ -146,7 +146,7 @@ impl Assembly<'_, '_> {
                 skeleton_file: &skeleton.name,
                 joint_count: self.draft.joints.len(),
             };
-            let read = mit::attach::read(attachments.lexer()?, to, self.limits, warnings)?;
+            let read = mit::attach::read(attachments.lexer()?, to, self.limits)?;
             mesh.influence_counts = read.influence_counts;
             mesh.influences = read.influences;
             self.add_bindings(mit::bindings(&self.draft.joints), &mut mesh);

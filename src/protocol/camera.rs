@@ -26,7 +26,7 @@ impl Default for Camera {
     }
 }
 
-/// On a sphere about a target. What is left out frames the rig at rest.
+/// On a sphere about a target. What is left out frames the rig at rest, and of a rig without skin its joints' boxes as well.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct Orbit {

@@ -9,7 +9,6 @@
 use crate::formats::error::{FileFault, LoadError};
 use crate::formats::lexer::{Lexer, Token};
 use crate::limits::Limits;
-use crate::rig::Warnings;
 
 /// What the weights are for: nothing in the file names it.
 #[derive(Debug, Clone, Copy)]
@@ -35,8 +34,6 @@ pub(in crate::formats) fn read(
     lexer: Lexer,
     to: AttachedTo,
     limits: &Limits,
-    // Sums that are not 1 are warned of where they are divided; there is nothing else to be lenient about.
-    _warnings: &mut Warnings,
 ) -> Result<Attachments, LoadError> {
     let mut reader = Reader {
         lexer,

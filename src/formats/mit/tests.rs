@@ -26,7 +26,7 @@ fn attach_with(joint_count: usize, text: &str, limits: &Limits) -> Result<Attach
         joint_count,
     };
     let lexer = Lexer::new("a.attach", text);
-    attach::read(lexer, to, limits, &mut Warnings::default()).map_err(|error| error.to_string())
+    attach::read(lexer, to, limits).map_err(|error| error.to_string())
 }
 
 fn attach(text: &str) -> Result<Attachments, String> {
@@ -308,7 +308,7 @@ fn the_courses_own_models_are_read_whole() {
             joint_count: joints.len(),
         };
         let lexer = Lexer::new("a.attach", &attachments);
-        let found = attach::read(lexer, to, &limits, &mut warnings).expect("it fits the mesh");
+        let found = attach::read(lexer, to, &limits).expect("it fits the mesh");
 
         let counts = [joints.len(), mesh.positions.len(), mesh.triangles.len()];
         assert_eq!(counts, [18, 13_336, 26_668], "{model}");
