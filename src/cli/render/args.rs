@@ -152,14 +152,16 @@ pub(in crate::cli) struct LookArgs {
 #[derive(Args)]
 #[command(next_help_heading = "Light")]
 pub(in crate::cli) struct LightArgs {
-    /// A light instead of the default ones; may be given many times: dir:X,Y,Z[:R,G,B][:INTENSITY] travels that way,
-    /// point:X,Y,Z[:R,G,B][:INTENSITY][:inverse_square] stands there, none leaves the ambient light alone
-    #[arg(long = "light", value_name = "LIGHT")]
+    #[arg(long = "light", value_name = "LIGHT", help = LIGHTS)]
     pub lights: Vec<LightArg>,
     /// Light from everywhere
     #[arg(long, value_name = "R,G,B")]
     pub ambient: Option<Vector<3>>,
 }
+
+/// Not a comment of the option: its brackets would be taken for links.
+const LIGHTS: &str = "A light instead of the default ones; may be given many times: dir:X,Y,Z[:R,G,B][:INTENSITY] travels that way, \
+                      point:X,Y,Z[:R,G,B][:INTENSITY][:inverse_square] stands there, none leaves the ambient light alone";
 
 /// A word of the protocol as a word of the command line.
 macro_rules! words {
