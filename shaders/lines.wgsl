@@ -1,5 +1,5 @@
-// Lines of constant width in pixels, drawn as quads: native lines differ between drivers. In: one segment an instance, in world
-// space. Out: its flat color.
+// Lines of constant width in pixels, drawn as quads: native lines differ between drivers. In: each segment six times, in world space.
+// Out: its flat color.
 
 @group(0) @binding(0) var<uniform> view: View;
 
@@ -13,7 +13,7 @@ const LEAST_W: f32 = 1e-6;
 
 @vertex
 fn line_vertex(
-    @builtin(vertex_index) corner: u32,
+    @builtin(vertex_index) index: u32,
     @location(0) from_in_world: vec3<f32>,
     @location(1) width_pixels: f32,
     @location(2) to_in_world: vec3<f32>,
@@ -40,6 +40,7 @@ fn line_vertex(
     let is_line = length_squared > 1e-12;
     let direction = select(vec2(1.0, 0.0), along * inverseSqrt(max(length_squared, 1e-12)), is_line);
 
+    let corner = index % 6u;
     // Corners of two triangles: (from, left) (to, left) (from, right) and (from, right) (to, left) (to, right).
     let at_end = corner == 1u || corner == 4u || corner == 5u;
     let on_left = corner == 0u || corner == 1u || corner == 4u;

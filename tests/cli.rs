@@ -522,17 +522,46 @@ fn a_clip_is_a_picture_at_its_start_or_at_a_time() {
     assert_ne!(picture("clip.png"), picture("clip_later.png"));
 }
 
+/// A camera that does not go by what a clip comes to.
+const FIXED: [&str; 4] = ["--target", "0,0,0", "--camera", "30deg,20deg,4"];
+
+#[test]
+fn a_clip_that_leads_away_stays_in_the_picture() {
+    // The figure walks nearly a meter.
+    let walk = ["--clip", "walk", "--fps", "10", "--background", "0,0,0,0"];
+    render("away.apng", &walk);
+    for frame in apng_frames("away.apng") {
+        let (width, height) = (48, 40);
+        let alpha = |x: usize, y: usize| frame[4 * (width * y + x) + 3];
+        let sides = (0..height).flat_map(|y| [(0, y), (width - 1, y)]);
+        let edge = (0..width)
+            .flat_map(|x| [(x, 0), (x, height - 1)])
+            .chain(sides);
+        assert!(edge.into_iter().all(|(x, y)| alpha(x, y) == 0));
+        assert!(frame.iter().skip(3).step_by(4).any(|&alpha| alpha > 0));
+    }
+}
+
 #[test]
 fn a_clip_is_played_from_its_start_to_its_end() {
     write_animated_rig();
     // Half a second at 8 a second: 0.5, 0.625, 0.75, 0.875.
-    card("play.apng", &["--clip", "turn", "--fps", "8"]);
+    card(
+        "play.apng",
+        &[&["--clip", "turn", "--fps", "8"], &FIXED[..]].concat(),
+    );
     let frames = apng_frames("play.apng");
     assert_eq!(frames.len(), 4);
-    card("played.png", &["--clip", "turn", "--time", "0.875"]);
+    card(
+        "played.png",
+        &[&["--clip", "turn", "--time", "0.875"], &FIXED[..]].concat(),
+    );
     assert_eq!(frames[3], picture("played.png").into_raw());
 
-    card("play.png", &["--clip", "turn", "--fps", "8"]);
+    card(
+        "play.png",
+        &[&["--clip", "turn", "--fps", "8"], &FIXED[..]].concat(),
+    );
     assert_eq!(picture("play_0003.png"), picture("played.png"));
     card("play.gif", &["--clip", "turn"]);
     assert_eq!(gif_frames("play.gif").len(), 12, "24 a second");
@@ -541,7 +570,11 @@ fn a_clip_is_played_from_its_start_to_its_end() {
 #[test]
 fn a_turntable_plays_a_clip_unless_a_time_is_given() {
     write_animated_rig();
-    let turn = ["--clip", "turn", "--fps", "8", "--turntable", "2"];
+    let turn = [
+        &["--clip", "turn", "--fps", "8", "--turntable", "2"],
+        &FIXED[..],
+    ]
+    .concat();
     card("both.apng", &turn);
     card(
         "second.png",
@@ -550,8 +583,10 @@ fn a_turntable_plays_a_clip_unless_a_time_is_given() {
             "turn",
             "--time",
             "0.625",
+            "--target",
+            "0,0,0",
             "--camera",
-            "210deg,20deg",
+            "210deg,20deg,4",
         ],
     );
     assert_eq!(
@@ -570,7 +605,7 @@ fn morphs_and_clips_are_listed() {
     let output = rigd(&[&["inspect"], &CARD[..]].concat());
     let tree = text(&output.stdout);
     for line in [
-        "morphs\n└─ corner: 1 vertex of mesh ",
+        "morphs\n└─ morph.corner: 1 vertex of mesh ",
         "clips\n└─ turn: 0.5 s to 1 s, ",
     ] {
         assert!(

@@ -148,7 +148,9 @@ fn the_sample_animation_has_the_values_of_an_independent_program() {
     let sample = loaded(&source, &["tube.skel", "sample.anim"]);
     assert_eq!(
         sample.rig.warnings(),
-        ["sample.anim:3:15: of 3 channels those are used that fit the 9 of `tube.skel`"]
+        [
+            "sample.anim:3:15: there are 3 channels, but `tube.skel` takes 9; those that fit are used"
+        ]
     );
     assert_eq!(sample.rig.clips()[0].range, [0.0, 2.0]);
     for (time, wanted) in [

@@ -296,6 +296,11 @@ fn a_pose_is_refused_by_the_field_at_fault() {
         (json!({"dofs": {"tip.rx": null}}), "pose.dofs.tip.rx"),
         (json!({"dofs": [1]}), "pose.dofs"),
         (
+            json!({"clip": {"name": "walk", "time": 0}}),
+            "pose.clip.name",
+        ),
+        (json!({"clip": {"name": "walk"}}), "pose.clip.time"),
+        (
             json!({"dofs": {"tip.rx": 2}, "limits": "reject"}),
             "pose.dofs.tip.rx",
         ),
@@ -373,6 +378,25 @@ fn a_pose_is_refused_by_the_field_at_fault() {
     // Nothing of all that was stored.
     let stored = ask_ok(&SERVICE, "pose.get", json!({"rig": "refusing"}));
     assert_eq!(stored["dofs"]["tip.rx"], 0.0);
+}
+
+#[test]
+fn a_clip_is_asked_for_at_a_time_that_a_clip_can_have() {
+    for (time, is_right) in [(-1e9, true), (1e9, true), (1.1e9, false), (-1.7e308, false)] {
+        let pose = json!({"clip": {"name": "walk", "time": time}});
+        let asked = ask(
+            &SERVICE,
+            "joint.transforms",
+            json!({"rig": "figure", "pose": pose}),
+        );
+        match asked {
+            Ok(_) => assert!(is_right, "{time}"),
+            Err(error) => {
+                assert!(!is_right, "{time}: {error}");
+                assert_eq!(error.detail("path"), Some(&json!("pose.clip.time")));
+            }
+        }
+    }
 }
 
 #[test]

@@ -253,6 +253,11 @@ impl FromStr for OrbitView {
     }
 }
 
+/// A number that is one.
+pub(super) fn number(text: &str) -> Result<f64, String> {
+    finite(text, "a number", text)
+}
+
 fn finite(number: &str, expected: &str, text: &str) -> Result<f64, String> {
     let parsed = number
         .trim()

@@ -20,7 +20,7 @@ use crate::pose::{Clamped, Pose, PoseEdit, Posed, Skinning};
 use crate::render::gpu::Capabilities;
 use crate::render::{Outputs, Plan};
 use crate::scene::{BoneRadius, Ray, Scene, Shape, VertexQuery};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use store::Store;
 use worker::{Job, Worker};
 
@@ -86,6 +86,8 @@ impl RigRef {
 /// Rigs, their stored poses, and the renderer. Shared by every connection.
 pub struct Engine {
     store: Store,
+    /// Held while files become a rig: loads in progress would otherwise each take as much memory as all rigs together may.
+    loading: Mutex<()>,
     worker: Worker,
     admission: Arc<Admission>,
     limits: Limits,
@@ -103,6 +105,7 @@ impl Engine {
         let worker = Worker::open(choice, pool)?;
         Ok(Self {
             store: Store::new(limits),
+            loading: Mutex::new(()),
             worker,
             admission: Arc::new(Admission::new(&limits)),
             limits,
@@ -141,6 +144,7 @@ impl Engine {
         source: &Source,
         replace: bool,
     ) -> Result<Arc<LoadedRig>, EngineError> {
+        let _alone = self.loading.lock().unwrap_or_else(PoisonError::into_inner);
         let loaded = formats::load(files, source, &self.limits)?;
         self.capabilities().accept_rig(&loaded.rig)?;
         let kept = self.store.keep(name, loaded, replace)?;

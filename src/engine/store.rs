@@ -6,7 +6,7 @@ use crate::limits::Limits;
 use crate::pose::{Clamped, Pose, Posed, Skinning};
 use crate::render::cpu;
 use crate::rig::Rig;
-use crate::scene::Bounds;
+use crate::scene::{Bounds, Show, ShowSkeleton, ShowSkin};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -22,8 +22,10 @@ pub struct LoadedRig {
     pub rig: Arc<Rig>,
     /// Of skinned vertices and joints at rest, in world space.
     pub rest_bounds: Bounds,
-    /// What the default camera frames: the same, and of a rig without skin the joints' boxes as well.
-    pub framed: Bounds,
+    /// The same and the joints' boxes at rest.
+    with_boxes: Bounds,
+    /// Of vertices as they were modelled; that of the rest where there are none.
+    bind_bounds: Bounds,
 }
 
 impl LoadedRig {
@@ -42,19 +44,33 @@ impl LoadedRig {
         let rig = Arc::new(rig);
         let rest = Posed::new(&Pose::rest(&rig))?;
         let rest_bounds = bounds_of(&rest);
-        let framed = if rig.vertex_count() == 0 {
-            with_boxes(rest_bounds, &rest)
-        } else {
-            rest_bounds
-        };
+        let with_boxes = with_boxes(rest_bounds, &rest);
+        let modelled = rig.meshes().iter().flat_map(|mesh| mesh.positions());
+        let bind_bounds = Bounds::of(modelled.map(|position| position.as_dvec3()));
         Ok(Self {
             name,
             digest,
             dialects,
             rig,
             rest_bounds,
-            framed,
+            with_boxes,
+            bind_bounds: bind_bounds.unwrap_or(rest_bounds),
         })
+    }
+
+    /// What the default camera frames, whatever the pose: the rig at rest, with the joints' boxes where these are shown or there is no
+    /// skin, and with the skin as modelled where that is shown.
+    pub fn framed(&self, show: &Show) -> Bounds {
+        let shows_boxes = show.skeleton == ShowSkeleton::Boxes || self.rig.vertex_count() == 0;
+        let at_rest = if shows_boxes {
+            self.with_boxes
+        } else {
+            self.rest_bounds
+        };
+        match show.skin {
+            ShowSkin::Bind => at_rest.and(&self.bind_bounds),
+            ShowSkin::Posed | ShowSkin::None => at_rest,
+        }
     }
 
     /// What was odd in the files, a sentence each.

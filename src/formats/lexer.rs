@@ -3,7 +3,7 @@
 
 use super::error::{FileFault, quoted};
 use super::text::Place;
-use crate::rig::Warnings;
+use crate::rig::{LARGEST_COORDINATE, Warnings};
 use std::cell::Cell;
 
 /// A word, a brace, the end of a line where lines are asked for, or the empty text at the end of the file.
@@ -131,7 +131,7 @@ impl<'a> Lexer<'a> {
         found
     }
 
-    /// A finite number that a 32-bit float can hold: `.5`, `+1` and exponents are fine. `place` says where one is wanted: `after …`.
+    /// A number no larger than a rig takes: `.5`, `+1` and exponents are fine. `place` says where one is wanted: `after …`.
     pub(super) fn number(&mut self, place: impl Fn() -> String) -> Result<f64, FileFault> {
         let token = self.next();
         self.number_at(token, place)
@@ -146,11 +146,11 @@ impl<'a> Lexer<'a> {
         let Some(number) = parse_number(token.text) else {
             return Err(self.fault(token, format!("a number {}", place())));
         };
-        // Later stages compute with 32-bit floats; what only fits 64 bits would turn into an infinity there.
-        if number.abs() > f64::from(f32::MAX) {
+        // Told here, where it stands; a rig would only know that there is one.
+        if number.abs() > LARGEST_COORDINATE {
             return Err(self.fault(
                 token,
-                format!("a number of at most 3.4e38 in size {}", place()),
+                format!("a number of at most 1e9 in size {}", place()),
             ));
         }
         Ok(number)
@@ -361,7 +361,7 @@ mod tests {
             ("1e-3", 1e-3),
             ("2.5E+2", 250.0),
             ("1e-999", 0.0),
-            ("3.4e38", 3.4e38),
+            ("-1e9", -1e9),
         ] {
             assert_eq!(
                 Lexer::new("a", text).number(String::new),
@@ -370,7 +370,7 @@ mod tests {
             );
         }
         for text in [
-            "", "nan", "NaN", "inf", "-inf", "infinity", "1e999", "-1e39", "0x10", "1_0", "1,5",
+            "", "nan", "NaN", "inf", "-inf", "infinity", "1e999", "-1.1e9", "0x10", "1_0", "1,5",
             "1.0f", "--1", "+-1", "e5", ".", "-", "1e", "1-2", "²",
         ] {
             assert!(

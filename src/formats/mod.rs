@@ -23,6 +23,7 @@ use crate::rig::{Rig, RigError, Warnings};
 use assemble::assemble;
 use files::{Files, Gathered};
 use parts::Parts;
+use recognise::Kind;
 use std::sync::Arc;
 
 /// What is read, in the words of [`Loaded::dialects`].
@@ -91,10 +92,12 @@ pub fn load(files: &[FileRef], source: &Source, limits: &Limits) -> Result<Loade
 fn told(error: RigError, parts: &Parts) -> LoadError {
     let skeleton = parts.skeleton.as_ref();
     let of_mesh = |mesh: usize| parts.meshes.get(mesh);
+    // Where an OBJ is bound is said by the skeleton.
+    let says_bindings = of_mesh(0).filter(|mesh| mesh.kind != Kind::Obj);
     let file: Option<&Arc<Gathered>> = match error {
         RigError::Limit(exceeded) => return exceeded.into(),
         RigError::CountsDiffer { mesh, .. } | RigError::OutOfRange { mesh, .. } => of_mesh(mesh),
-        RigError::SingularBinding { .. } => of_mesh(0),
+        RigError::SingularBinding { .. } => says_bindings,
         RigError::NotFinite { mesh, .. } => mesh.and_then(of_mesh),
         RigError::VertexTwice { morph, .. } => parts.morphs.get(morph),
         RigError::NoSuchDof { clip } | RigError::KeysOutOfOrder { clip } => parts.clips.get(clip),

@@ -4,7 +4,7 @@
 use super::cse169::list::{self, Entry, Role};
 use super::error::{FileFault, LoadError};
 use super::files::{Files, Gathered};
-use super::recognise::{self, Kind};
+use super::recognise::{self, Kind, base_name};
 use super::source::Denied;
 use crate::limits::Limits;
 use crate::rig::Warnings;
@@ -40,10 +40,10 @@ impl Parts {
             Some(list) => listed(&list, files, limits, warnings)?,
             None => Vec::new(),
         };
-        let names: HashSet<&str> = listed.iter().map(|file| file.name.as_str()).collect();
+        let is_listed = |file: &Arc<Gathered>| listed.iter().any(|it| Arc::ptr_eq(it, file));
         let others = sent
             .iter()
-            .filter(|file| file.kind != Kind::Cse169Rig && !names.contains(file.name.as_str()));
+            .filter(|file| file.kind != Kind::Cse169Rig && !is_listed(file));
         for file in listed.iter().chain(others) {
             parts.add(file.clone())?;
         }
@@ -180,7 +180,7 @@ fn listed(
     let mut listed = Vec::with_capacity(entries.len());
     for entry in entries {
         let file = open_entry(list, &entry, files)?;
-        if !names.insert(file.name.clone()) {
+        if !names.insert(base_name(&file.name).to_owned()) {
             let expected = "each file once";
             return Err(entry
                 .fault(&list.name, expected, "a second mention of it")

@@ -72,7 +72,8 @@ fn a_whole_character_comes_in_any_order_of_files() {
         assert_eq!(Some(of_tip[0].morph as usize), smile);
         assert_eq!(of_tip[0].position, Vec3::Y * 2.0);
         assert_eq!(of_tip[0].normal, Vec3::Y - Vec3::Z);
-        let told = "w/wave.anim:1:35: of 1 channels those are used that fit the 9 of `a.skel`";
+        let told =
+            "w/wave.anim:1:35: there are 1 channels, but `a.skel` takes 9; those that fit are used";
         assert_eq!(rig.warnings(), [told]);
         files.rotate_left(1);
     }
@@ -138,6 +139,9 @@ fn what_a_list_names_must_be_there_and_be_what_it_says() {
         refusal(&files),
         "a.rig:1:28: expected each file once, but found a second mention of it"
     );
+    let twice = twice.replace("s.morph s.morph", "s.morph x/../s.morph");
+    let files = [("a.rig", &*twice), ("s.morph", SMILE), ("a.skin", SKIN)];
+    assert!(refusal(&files).ends_with("but found a second mention of it"));
     let wanted =
         "b.rig:1:1: expected one `.rig` in a request, but found both `d/a.rig` and `b.rig`";
     assert_eq!(refusal(&list(LIST)), wanted);

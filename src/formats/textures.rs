@@ -4,7 +4,7 @@ use super::cse169::skin::TextureName;
 use super::error::{LoadError, quoted};
 use super::files::{Files, Gathered};
 use super::pictures::{self, BadPicture};
-use super::recognise::Kind;
+use super::recognise::{Kind, base_name};
 use super::source::Denied;
 use crate::limits::Limits;
 use crate::rig::{Texture, Warnings};
@@ -39,7 +39,7 @@ impl<'a> Textures<'a> {
     ) -> Result<Option<Arc<Texture>>, LoadError> {
         let reason = match files.look_up(skin, &name.file) {
             Ok(file) if file.kind != Kind::Other => "it is no picture".to_owned(),
-            Ok(file) => match self.decode(file, &name.file) {
+            Ok(file) => match self.decode(file) {
                 Ok(texture) => return Ok(Some(texture)),
                 Err(BadPicture::Limit(exceeded)) => return Err(exceeded.into()),
                 Err(BadPicture::Undecodable(reason)) => reason,
@@ -59,18 +59,17 @@ impl<'a> Textures<'a> {
         Ok(None)
     }
 
-    fn decode(&mut self, file: Arc<Gathered>, name: &str) -> Result<Arc<Texture>, BadPicture> {
-        let is_it = |(of, texture): &&(Arc<Gathered>, Arc<Texture>)| {
-            Arc::ptr_eq(of, &file) && texture.file() == name
-        };
-        if let Some((_, texture)) = self.decoded.iter().find(is_it) {
+    fn decode(&mut self, file: Arc<Gathered>) -> Result<Arc<Texture>, BadPicture> {
+        let mut decoded = self.decoded.iter();
+        if let Some((_, texture)) = decoded.find(|(of, _)| Arc::ptr_eq(of, &file)) {
             return Ok(texture.clone());
         }
         let level = pictures::decode(&file.bytes, self.limits)?;
+        let name = base_name(&file.name).to_owned();
+        let texture = Arc::new(Texture::new(name, level));
         // A small file can hold many pixels, and a request many such files: memory must not be full before the rig is weighed.
-        self.bytes += size_of_val(level.texels.as_slice()) as u64;
+        self.bytes += texture.memory_bytes() as u64;
         self.limits.rig_bytes(self.bytes)?;
-        let texture = Arc::new(Texture::new(name.to_owned(), level));
         self.decoded.push((file, texture.clone()));
         Ok(texture)
     }

@@ -101,7 +101,7 @@ impl SkinDualQuaternion {
 }
 
 /// The polar decomposition `matrix = turn · stretch`, where `turn` is a rotation also if `matrix` mirrors. By Newton's method (Higham,
-/// "Computing the polar decomposition", 1986). `matrix` can be inverted.
+/// "Computing the polar decomposition", 1986). Of a matrix that is too flat for it, all of it counts as stretch.
 fn turn_and_stretch(matrix: DMat3) -> (DMat3, DMat3) {
     /// Quadratic convergence needs fewer, whatever the matrix.
     const MOST_STEPS: usize = 64;
@@ -120,6 +120,9 @@ fn turn_and_stretch(matrix: DMat3) -> (DMat3, DMat3) {
         if settled {
             break;
         }
+    }
+    if !(turn.transpose() * turn).abs_diff_eq(DMat3::IDENTITY, 1e-9) {
+        return (DMat3::IDENTITY, matrix);
     }
     if turn.determinant() < 0.0 {
         turn *= -1.0;
@@ -167,6 +170,28 @@ mod tests {
                 "{scale}: {found_stretch}"
             );
         }
+    }
+
+    #[test]
+    fn a_matrix_that_is_all_but_flat_is_all_stretch() {
+        for size in [1e8, 1e9, 1e18] {
+            let flat = DMat3::from_cols(
+                DVec3::new(size, -size, -size),
+                DVec3::new(1.0, 0.0, 0.0),
+                DVec3::new(size, -1.0, 1.0 / size),
+            );
+            for turn in 0..50 {
+                let turned = DMat3::from_rotation_z(f64::from(turn)) * DMat3::from_rotation_x(1.7);
+                let (turn, stretch) = turn_and_stretch(turned * flat);
+                assert!(turn.is_finite() && stretch.is_finite());
+                let back = (turn * stretch - turned * flat) * (1.0 / size);
+                assert!(back.abs_diff_eq(DMat3::ZERO, 1e-6), "{size}: {back}");
+            }
+        }
+        assert_eq!(
+            turn_and_stretch(DMat3::ZERO),
+            (DMat3::IDENTITY, DMat3::ZERO)
+        );
     }
 
     #[test]

@@ -26,7 +26,8 @@ impl Default for Camera {
     }
 }
 
-/// On a sphere about a target. What is left out frames the rig at rest, and of a rig without skin its joints' boxes as well.
+/// On a sphere about a target. What is left out frames the rig at rest, with what else is shown of it: its joints'
+/// boxes, or its skin as bound.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct Orbit {

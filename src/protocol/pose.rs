@@ -39,7 +39,7 @@ pub struct Pose {
 pub struct ClipAt {
     /// As `rig.describe` has it.
     pub name: String,
-    /// In seconds; any time, also outside of the clip's range.
+    /// In seconds, within ±1e9; also outside of the clip's range.
     pub time: f64,
 }
 

@@ -228,7 +228,7 @@ pub struct MeshDescription {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct MaterialDescription {
     pub name: String,
-    /// The picture's file, by the name that the rig's file calls it; null without one.
+    /// The base name of the picture's file; null without one.
     pub texture: Option<String>,
 }
 

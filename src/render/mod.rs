@@ -11,4 +11,4 @@ mod solids;
 pub use outputs::{Outputs, RenderError};
 pub use plan::{Instance, Picture, Plan, Wanted};
 pub use skeleton::{Segment, SkeletonView};
-pub use solids::{Solid, SolidMesh, SolidShape, Solids};
+pub use solids::{SolidVertex, Solids};

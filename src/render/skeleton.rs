@@ -1,7 +1,7 @@
 //! Views of the skeleton as plain shapes in world space, which both renderers draw. Sizes come from the rig where its files give none.
 //! Never lives here: pixels.
 
-use super::solids::{Solid, SolidShape, Solids};
+use super::solids::{Fineness, SolidShape, Solids};
 use crate::pose::{Bone, Posed};
 use crate::scene::ShowSkeleton;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
@@ -10,8 +10,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SkeletonView {
     pub lines: Vec<Segment>,
-    /// Each shape at most once.
-    pub solids: Vec<Solids>,
+    pub solids: Solids,
 }
 
 /// A line of constant width in pixels, its ends round enough to be a dot where they coincide.
@@ -41,23 +40,18 @@ const BOX_RADII: f64 = 1.0;
 
 /// `rig_size` is that of the rest bounds, for joints that have no bone to be measured by.
 pub(super) fn view(posed: &Posed, how: ShowSkeleton, rig_size: f64) -> SkeletonView {
-    let solids = |solids: Vec<Solids>| SkeletonView {
-        lines: Vec::new(),
-        solids,
-    };
+    let mut view = SkeletonView::default();
     match how {
-        ShowSkeleton::None => SkeletonView::default(),
-        ShowSkeleton::Wireframe => SkeletonView {
-            lines: wireframe(posed),
-            solids: Vec::new(),
-        },
-        ShowSkeleton::Boxes => solids(vec![boxes(posed, rig_size)]),
+        ShowSkeleton::None => {}
+        ShowSkeleton::Wireframe => view.lines = wireframe(posed),
+        ShowSkeleton::Boxes => add_boxes(&mut view.solids, posed, rig_size),
         ShowSkeleton::Sticks => {
-            let sticks = along_bones(posed, SolidShape::Taper);
-            solids(vec![balls(posed, rig_size), sticks])
+            add_balls(&mut view.solids, posed, rig_size);
+            add_along_bones(&mut view.solids, posed, SolidShape::Taper);
         }
-        ShowSkeleton::Cylinders => solids(vec![along_bones(posed, SolidShape::Cylinder)]),
+        ShowSkeleton::Cylinders => add_along_bones(&mut view.solids, posed, SolidShape::Cylinder),
     }
+    view
 }
 
 /// A line along each bone, then a dot at each joint, so that a skeleton of one joint shows too.
@@ -80,42 +74,37 @@ fn wireframe(posed: &Posed) -> Vec<Segment> {
     bones.chain(dots).collect()
 }
 
-fn boxes(posed: &Posed, rig_size: f64) -> Solids {
+fn add_boxes(solids: &mut Solids, posed: &Posed, rig_size: f64) {
     let radii = ball_radii(posed, rig_size);
     let joints = posed.rig().skeleton().joints().iter().zip(radii);
-    let placed = joints.zip(posed.world_from_joint());
-    let instances = placed.map(|((joint, radius), world_from_joint)| {
+    for ((joint, radius), world_from_joint) in joints.zip(posed.world_from_joint()) {
         let half = DVec3::splat(BOX_RADII * radius);
         let [min, max] = joint.bounding_box.unwrap_or([-half, half]);
         let joint_from_box = DAffine3::from_mat3_translation(
             DMat3::from_diagonal((max - min) / 2.0),
             (min + max) / 2.0,
         );
-        Solid::new(*world_from_joint * joint_from_box, BOX_COLOR)
-    });
-    Solids {
-        shape: SolidShape::Box,
-        instances: instances.collect(),
+        solids.add(
+            SolidShape::Box,
+            &(*world_from_joint * joint_from_box),
+            BOX_COLOR,
+        );
     }
 }
 
-fn balls(posed: &Posed, rig_size: f64) -> Solids {
+fn add_balls(solids: &mut Solids, posed: &Posed, rig_size: f64) {
     let radii = ball_radii(posed, rig_size);
-    let placed = posed.world_from_joint().iter().zip(radii);
-    let instances = placed.map(|(world_from_joint, radius)| {
+    let ball = SolidShape::Ball(Fineness::for_balls(radii.len()));
+    for (world_from_joint, radius) in posed.world_from_joint().iter().zip(radii) {
         let sized = DMat3::from_diagonal(DVec3::splat(radius));
-        let at = world_from_joint.translation;
-        Solid::new(DAffine3::from_mat3_translation(sized, at), BALL_COLOR)
-    });
-    Solids {
-        shape: SolidShape::Ball,
-        instances: instances.collect(),
+        let placed = DAffine3::from_mat3_translation(sized, world_from_joint.translation);
+        solids.add(ball, &placed, BALL_COLOR);
     }
 }
 
 /// Of each joint: as the thickest bone that meets in it asks for.
 fn ball_radii(posed: &Posed, rig_size: f64) -> Vec<f64> {
-    /// Of the rig's size, where no bone meets.
+    /// Of the rig's size, where there is no bone at all.
     const ALONE: f64 = 0.05;
     let mut thickest = vec![0.0f64; posed.world_from_joint().len()];
     for bone in posed.bones() {
@@ -123,7 +112,10 @@ fn ball_radii(posed: &Posed, rig_size: f64) -> Vec<f64> {
             thickest[joint] = thickest[joint].max(bone.radius);
         }
     }
-    let alone = ALONE * if rig_size > 0.0 { rig_size } else { 1.0 };
+    let size = if rig_size > 0.0 { rig_size } else { 1.0 };
+    // Where others of the skeleton have bones, a joint that has none is as large as they are.
+    let usual = posed.rig().skeleton().bone_radius();
+    let alone = usual.map_or(ALONE * size, |radius| BALL_RADII * radius);
     let radius = |thickest: f64| {
         if thickest > 0.0 {
             BALL_RADII * thickest
@@ -135,14 +127,11 @@ fn ball_radii(posed: &Posed, rig_size: f64) -> Vec<f64> {
 }
 
 /// A shape from the start to the end of each bone.
-fn along_bones(posed: &Posed, shape: SolidShape) -> Solids {
-    let instances = posed.bones().filter_map(|bone| {
-        let frame = bone_frame(&bone, &posed.world_from_joint()[bone.owner])?;
-        Some(Solid::new(frame, BONE_COLOR))
-    });
-    Solids {
-        shape,
-        instances: instances.collect(),
+fn add_along_bones(solids: &mut Solids, posed: &Posed, shape: SolidShape) {
+    for bone in posed.bones() {
+        if let Some(frame) = bone_frame(&bone, &posed.world_from_joint()[bone.owner]) {
+            solids.add(shape, &frame, BONE_COLOR);
+        }
     }
 }
 

@@ -54,6 +54,9 @@ pub enum Extrapolation {
     Bounce,
 }
 
+/// Rounds of a curve that cycles; more of them than f64 can count one by one.
+const MOST_CYCLES: f64 = 1e15;
+
 impl Curve {
     /// # Formula
     /// On a span of `d` seconds, with `u` from 0 to 1: the cubic Hermite polynomial of its end values and of `d` times its end slopes.
@@ -74,7 +77,10 @@ impl Curve {
             return self.within(time);
         };
         let length = last.time - first.time;
-        let cycles = ((time - first.time) / length).floor();
+        // Past this nothing is left of a time that it could be told by.
+        let cycles = ((time - first.time) / length)
+            .floor()
+            .clamp(-MOST_CYCLES, MOST_CYCLES);
         let wrapped = || (time - cycles * length).clamp(first.time, last.time);
         match extrapolation {
             Extrapolation::Constant => end.value,
@@ -194,13 +200,19 @@ mod tests {
 
     #[test]
     fn a_time_astronomically_far_off_is_still_a_number() {
-        let keys = vec![key(0.0, 1.0, 0.0), key(1e-9, 2.0, 0.0)];
-        for extrapolation in [
-            Extrapolation::Cycle,
-            Extrapolation::CycleOffset,
-            Extrapolation::Bounce,
-        ] {
-            assert!(curve(keys.clone(), extrapolation).at(1e9).is_finite());
+        let lengths = [1e-9, 1e-300, 1e-320].into_iter();
+        for keys in lengths.map(|length| vec![key(0.0, 1.0, 0.0), key(length, 2.0, 0.0)]) {
+            for extrapolation in [
+                Extrapolation::Linear,
+                Extrapolation::Cycle,
+                Extrapolation::CycleOffset,
+                Extrapolation::Bounce,
+            ] {
+                for time in [1e9, -1e9] {
+                    let value = curve(keys.clone(), extrapolation).at(time);
+                    assert!(value.is_finite(), "{extrapolation:?} at {time}");
+                }
+            }
         }
     }
 }

@@ -20,7 +20,7 @@ pub struct TextureLevel {
 }
 
 impl Texture {
-    /// `file` is the name by which the rig's file calls it. Each level has half the sides of the one before, rounded down; its texels
+    /// `file` is the base name of its file. Each level has half the sides of the one before, rounded down; its texels
     /// are the mean, in linear light, of the area that they cover.
     ///
     /// # Panics
@@ -38,7 +38,7 @@ impl Texture {
         Self { file, levels }
     }
 
-    /// The name by which the rig's file calls it.
+    /// The base name of its file.
     pub fn file(&self) -> &str {
         &self.file
     }
@@ -48,7 +48,8 @@ impl Texture {
         &self.levels
     }
 
-    pub(super) fn memory_bytes(&self) -> usize {
+    /// Of all levels.
+    pub fn memory_bytes(&self) -> usize {
         self.levels
             .iter()
             .map(|level| size_of_val(level.texels.as_slice()))

@@ -24,10 +24,15 @@ impl Bounds {
                 min: point,
                 max: point,
             })
-            .reduce(|a, b| Self {
-                min: a.min.min(b.min),
-                max: a.max.max(b.max),
-            })
+            .reduce(|a, b| a.and(&b))
+    }
+
+    /// Of what either has.
+    pub fn and(&self, other: &Self) -> Self {
+        Self {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+        }
     }
 
     pub fn center(&self) -> DVec3 {

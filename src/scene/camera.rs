@@ -86,7 +86,7 @@ impl Camera {
         let target = orbit.target.unwrap_or_else(|| framed.center());
         let distance = orbit
             .distance
-            .unwrap_or_else(|| distance_to_fit(framed, fov_y, size));
+            .unwrap_or_else(|| Self::distance_to_fit(framed, Some(fov_y), size));
         positive(distance, "camera.distance")?;
         let (azimuth, inclination) = (
             orbit.azimuth.unwrap_or(Orbit::AZIMUTH),
@@ -98,6 +98,14 @@ impl Camera {
         let world_from_camera = DAffine3::from_mat3_translation(turned, eye);
         let projection = perspective(fov_y, size);
         Self::checked(world_from_camera, projection, orbit.near, distance, size)
+    }
+
+    /// From which the sphere about `framed` just fits the narrower side of the picture.
+    pub fn distance_to_fit(framed: &Bounds, fov_y: Option<f64>, size: Size) -> f64 {
+        let half_y = fov_y.unwrap_or(FOV_Y) / 2.0;
+        let aspect = f64::from(size.width) / f64::from(size.height);
+        let half_x = libm::atan(libm::tan(half_y) * aspect);
+        framed.radius() / libm::sin(half_x.min(half_y).min(FRAC_PI_2))
     }
 
     /// # Errors
@@ -315,13 +323,6 @@ fn perspective(fov_y: f64, size: Size) -> Projection {
         cx: width / 2.0,
         cy: height / 2.0,
     }
-}
-
-/// From which the sphere about `framed` just fits the narrower side of the picture.
-fn distance_to_fit(framed: &Bounds, fov_y: f64, size: Size) -> f64 {
-    let aspect = f64::from(size.width) / f64::from(size.height);
-    let half_x = libm::atan(libm::tan(fov_y / 2.0) * aspect);
-    framed.radius() / libm::sin(half_x.min(fov_y / 2.0).min(FRAC_PI_2))
 }
 
 #[cfg(test)]

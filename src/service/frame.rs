@@ -25,7 +25,7 @@ impl Call<'_> {
         answer: &mut Option<Answer>,
     ) -> Result<(), Fault> {
         let found = self.engine().rig(&params.rig)?;
-        let scene = self.scene(&params, &found.loaded.framed)?;
+        let scene = self.scene(&params, &found.loaded)?;
         let (posed, clamped) = self.posed(&params.pose, &found)?;
         let (held, terms) = self.take_on(BYTES_PER_PIXEL * scene.size.pixels() as u64)?;
 

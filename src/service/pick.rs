@@ -28,7 +28,7 @@ impl Call<'_> {
         let params = FrameParams::from(params);
         let found = self.engine().rig(&params.rig)?;
         let rig = Arc::clone(&found.loaded.rig);
-        let scene = self.scene(&params, &found.loaded.framed)?;
+        let scene = self.scene(&params, &found.loaded)?;
         inside(pixel, scene.size)?;
         let ray = scene.camera.ray(DVec2::from_array(pixel));
         let ray = ray.map_err(EngineError::from)?;

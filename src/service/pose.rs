@@ -6,7 +6,7 @@ use crate::pose::{Clamped, ClipAt, LimitPolicy, Pose, PoseEdit, Posed, Space};
 use crate::protocol::pose as wire;
 use crate::protocol::rig::RigParams;
 use crate::protocol::{Done, Fault};
-use crate::rig::Rig;
+use crate::rig::{LARGEST_COORDINATE, Rig};
 use glam::{DMat4, DQuat, DVec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -253,6 +253,11 @@ fn of_limits(limits: wire::LimitPolicy) -> LimitPolicy {
 fn clip_at(wanted: &wire::ClipAt, rig: &Rig) -> Result<ClipAt, EngineError> {
     let clip = rig.clips().iter().position(|clip| clip.name == wanted.name);
     let time = wanted.time;
+    // As far as the keys of a clip can be.
+    if time.abs() > LARGEST_COORDINATE {
+        let problem = format!("expected a time within ±{LARGEST_COORDINATE:e}, but found {time:e}");
+        return Err(no_such("pose.clip.time", problem));
+    }
     match clip {
         Some(clip) => Ok(ClipAt { clip, time }),
         None => {

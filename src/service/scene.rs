@@ -1,7 +1,7 @@
 //! From the fields of a frame request to a [`Scene`].
 
 use super::{Call, fault};
-use crate::engine::EngineError;
+use crate::engine::{EngineError, LoadedRig};
 use crate::pose::Skinning;
 use crate::protocol::Fault;
 use crate::protocol::camera as wire_camera;
@@ -13,11 +13,11 @@ use crate::scene::{
 use glam::{DMat4, DVec3};
 
 impl Call<'_> {
-    /// `framed` is what the default camera frames.
+    /// `rig` is what the default camera frames.
     pub(super) fn scene(
         &self,
         params: &wire::FrameParams,
-        framed: &Bounds,
+        rig: &LoadedRig,
     ) -> Result<Scene, Fault> {
         let limits = self.engine().limits();
         let [width, height] = params.size;
@@ -43,13 +43,14 @@ impl Call<'_> {
             }
         };
         let scene = || -> Result<Scene, SceneError> {
+            let show = of_show(&params.show)?;
             Ok(Scene {
                 size,
                 samples: match params.samples {
                     wire::Samples::One => Samples::One,
                     wire::Samples::Four => Samples::Four,
                 },
-                camera: of_camera(&params.camera, framed, size)?,
+                camera: of_camera(&params.camera, &rig.framed(&show), size)?,
                 lights,
                 ambient: params
                     .ambient
@@ -60,7 +61,7 @@ impl Call<'_> {
                 background: params
                     .background
                     .map_or(Ok(Background::default()), Background::new)?,
-                show: of_show(&params.show)?,
+                show,
             })
         };
         scene().map_err(|error| EngineError::from(error).into())

@@ -114,7 +114,7 @@ fn morph_lines(rig: &RigDescription) -> Vec<String> {
         let weight = dofs
             .get(name.as_str())
             .map_or(String::new(), |dof| format!(", weight{}", value_of(dof)));
-        format!("{}: {moved} of mesh {}{weight}", morph.name, morph.mesh)
+        format!("{name}: {moved} of mesh {}{weight}", morph.mesh)
     };
     rig.morphs.iter().map(line).collect()
 }

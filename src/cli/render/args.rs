@@ -3,6 +3,7 @@
 use crate::cli::RendererArgs;
 use crate::cli::values::{
     Angle, Assignment, Fps, LightArg, OrbitView, Pixels, Rgba, Rotation, Seconds, Vector, Weight,
+    number,
 };
 use crate::protocol::{frame as wire, pose as wire_pose};
 use clap::{Args, ValueEnum};
@@ -92,7 +93,7 @@ pub(in crate::cli) struct PoseArgs {
         allow_hyphen_values = true
     )]
     pub rotations: Vec<Rotation>,
-    /// Set a degree of freedom, e.g. elbow.rx=30deg; may be given many times
+    /// Set a degree of freedom in radians or with deg, e.g. elbow.rx=30deg; may be given many times
     #[arg(long = "set", value_name = "DOF=VALUE", allow_hyphen_values = true)]
     pub assignments: Vec<Assignment>,
     /// Set the weight of a morph target, e.g. smile=0.5; may be given many times
@@ -109,7 +110,8 @@ pub(in crate::cli) struct PoseArgs {
 #[derive(Args)]
 #[command(next_help_heading = "Camera")]
 pub(in crate::cli) struct CameraArgs {
-    /// Where to look from: azimuth and inclination (radians, or with deg), and the distance
+    /// Where to look from: azimuth, from +Z toward +X, and inclination, above the horizon (radians, or with deg: 30deg,20deg without it),
+    /// and the distance, which else fits the rig at rest or the whole clip
     #[arg(long, value_name = "AZ,INC[,DIST]", allow_hyphen_values = true)]
     pub camera: Option<OrbitView>,
     /// The point to look at; without it, the middle of the rig at rest
@@ -130,7 +132,7 @@ pub(in crate::cli) struct LookArgs {
     #[arg(long, value_name = "HOW", default_value = "none")]
     pub skeleton: Skeleton,
     /// From 0 to 1; below 1 the skeleton shines through the skin
-    #[arg(long, value_name = "SHARE", default_value_t = 1.0)]
+    #[arg(long, value_name = "SHARE", default_value_t = 1.0, value_parser = number)]
     pub skin_opacity: f64,
     /// Light each triangle by its own normal
     #[arg(long)]
@@ -142,7 +144,7 @@ pub(in crate::cli) struct LookArgs {
     #[arg(long, value_name = "R,G,B")]
     pub specular: Option<Vector<3>>,
     /// Exponent of the highlight: the higher, the smaller
-    #[arg(long, value_name = "EXPONENT")]
+    #[arg(long, value_name = "EXPONENT", value_parser = number)]
     pub shininess: Option<f64>,
     /// What stands behind the rig; alpha 0 makes it transparent
     #[arg(long, value_name = "R,G,B[,A]")]

@@ -2,6 +2,7 @@
 //! Never lives here: anything that is not asked of the service by a request.
 
 mod args;
+mod framing;
 mod output;
 mod request;
 mod shots;

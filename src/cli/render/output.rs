@@ -188,8 +188,8 @@ impl Unfinished {
             let file = File::options().write(true).open(&target)?;
             return Ok((Self { part: None, target }, file));
         }
-        let name = target.file_name().unwrap_or_default().to_string_lossy();
-        let part = target.with_file_name(format!(".{name}.{}.part", std::process::id()));
+        // Not made of the file's own name, which may be as long as names can be.
+        let part = target.with_file_name(format!(".rigd-{}.part", std::process::id()));
         let file = File::create(&part)?;
         let part = Some(part);
         Ok((Self { part, target }, file))

@@ -1,6 +1,7 @@
 //! Which frames a sequence has, and what each of them asks for. Never lives here: files.
 
 use super::args::{MOST_FRAMES, RenderArgs};
+use super::framing::frame_clip;
 use super::output::Format;
 use crate::cli::local;
 use crate::cli::values::Seconds;
@@ -83,6 +84,9 @@ impl Shots {
             time: args.pose.time.map_or(range[0], |Seconds(time)| time),
         });
         let plays = args.pose.clip.is_some() && args.pose.time.is_none();
+        if plays && motion != Motion::Still {
+            frame_clip(&mut request, range, service)?;
+        }
         let azimuth = args.camera.camera.map(|camera| camera.azimuth);
         let (count, turntable) = match motion {
             Motion::Still => (1, None),

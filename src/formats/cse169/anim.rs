@@ -16,7 +16,7 @@
 //! single key they are 0.
 
 use super::sections::{Brace, Section};
-use super::{bounded_number, second, warn_of_rest};
+use super::{second, warn_of_rest};
 use crate::formats::error::{FileFault, LoadError};
 use crate::formats::lexer::{Lexer, Token, parse_number};
 use crate::limits::Limits;
@@ -114,10 +114,7 @@ impl<'a> Reader<'a, '_> {
     fn read_range(&mut self, word: Token<'a>) -> Result<[f64; 2], FileFault> {
         let after = || format!("after `{}`", word.text);
         let first = self.lexer.peek();
-        let range = [
-            bounded_number(&mut self.lexer, after)?,
-            bounded_number(&mut self.lexer, after)?,
-        ];
+        let range = [self.lexer.number(after)?, self.lexer.number(after)?];
         if range[0] > range[1] {
             let expected = format!("the earlier time first {}", after());
             let found = format!("{} and {}", range[0], range[1]);
@@ -216,7 +213,7 @@ impl<'a> Reader<'a, '_> {
         let drawn = section.read_rows(lexer, 8, |lexer, row| {
             let place = || section.in_row(row);
             let start = lexer.offset();
-            let time = bounded_number(lexer, place)?;
+            let time = lexer.number(place)?;
             if time <= last_time {
                 let expected = format!("a time after {last_time} {}", place());
                 return Err(lexer.fault(lexer.from(start).next(), expected).into());
@@ -224,7 +221,7 @@ impl<'a> Reader<'a, '_> {
             last_time = time;
             Ok(DrawnKey {
                 time,
-                value: bounded_number(lexer, place)?,
+                value: lexer.number(place)?,
                 tangents: [read_tangent(lexer, place)?, read_tangent(lexer, place)?],
             })
         })?;
@@ -278,7 +275,7 @@ impl<'a> Reader<'a, '_> {
             self.warnings.push(|| {
                 let (place, skeleton) = (self.lexer.place(token), moves.file);
                 format!(
-                    "{place}: of {found} channels those are used that fit the {wanted} of `{skeleton}`"
+                    "{place}: there are {found} channels, but `{skeleton}` takes {wanted}; those that fit are used"
                 )
             });
         }
@@ -326,7 +323,7 @@ fn read_tangent(lexer: &mut Lexer, place: impl Fn() -> String) -> Result<Tangent
         "linear" => Tangent::Linear,
         "smooth" => Tangent::Smooth,
         text if parse_number(text).is_some() => {
-            return bounded_number(lexer, place).map(Tangent::Slope);
+            return lexer.number(place).map(Tangent::Slope);
         }
         _ => {
             lexer.next();

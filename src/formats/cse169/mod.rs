@@ -11,8 +11,8 @@ pub(super) mod skin;
 mod tests;
 
 use super::error::FileFault;
-use super::lexer::{Lexer, Token, parse_number};
-use crate::rig::{LARGEST_COORDINATE, Warnings};
+use super::lexer::{Lexer, Token};
+use crate::rig::Warnings;
 
 /// A name of `what`, up to an opening brace, which is taken too. Exporters leave names empty, so `{` may come at once.
 fn name_and_brace<'a>(lexer: &mut Lexer<'a>, what: Token) -> Result<&'a str, FileFault> {
@@ -32,19 +32,6 @@ fn name_and_brace<'a>(lexer: &mut Lexer<'a>, what: Token) -> Result<&'a str, Fil
     }
     lexer.expect("{", || format!("after `{} {}`", what.text, name.text))?;
     Ok(name.text)
-}
-
-/// A number that [`Draft::build`](crate::rig::Draft::build) takes for a coordinate, a time, a value or a slope.
-fn bounded_number(lexer: &mut Lexer, place: impl Fn() -> String) -> Result<f64, FileFault> {
-    let token = lexer.next();
-    match parse_number(token.text) {
-        Some(number) if number.abs() <= LARGEST_COORDINATE => Ok(number),
-        Some(_) => Err(lexer.fault(
-            token,
-            format!("a number of at most 1e9 in size {}", place()),
-        )),
-        None => Err(lexer.fault(token, format!("a number {}", place()))),
-    }
 }
 
 /// The fault of a keyword that stands a second time where it may stand once.

@@ -9,8 +9,8 @@
 //! Vertices are counted from 0 and listed at most once in a section, in any order; the two sections may list different ones. Values
 //! are not differences: they are where the vertex is, and its normal, at weight 1. A vertex that is not listed stays.
 
+use super::second;
 use super::sections::{Brace, Section};
-use super::{bounded_number, second};
 use crate::formats::error::LoadError;
 use crate::formats::lexer::{Lexer, Token};
 use crate::limits::Limits;
@@ -135,7 +135,7 @@ impl<'a> Reader<'a, '_> {
                 .map_err(|expected| lexer.fault(token, format!("{expected} {}", place())))?;
             let mut value = DVec3::ZERO;
             for axis in 0..3 {
-                value[axis] = bounded_number(lexer, place)?;
+                value[axis] = lexer.number(place)?;
             }
             Ok((vertex, value, token))
         })

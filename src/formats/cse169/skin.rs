@@ -19,7 +19,7 @@ use super::{name_and_brace, second};
 use crate::formats::error::{FileFault, LoadError};
 use crate::formats::lexer::{Lexer, Token};
 use crate::limits::Limits;
-use crate::rig::{MeshDraft, Warnings};
+use crate::rig::{LARGEST_COORDINATE, MeshDraft, Warnings};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 
 /// A skin as its file has it; every index in it is in range.
@@ -342,9 +342,12 @@ fn read_bindings<'a>(
         let numbers: [f64; 12] = lexer.numbers(place)?;
         lexer.expect("}", || format!("after 12 numbers {}", place()))?;
         let bind_from_joint = DAffine3::from_cols_array(&numbers);
-        // The inverse meets 32-bit floats later on.
+        // As the rig will ask: an inverse beyond its numbers is rounding error.
         let inverse = bind_from_joint.inverse().to_cols_array();
-        if !inverse.iter().all(|entry| (*entry as f32).is_finite()) {
+        if !inverse
+            .iter()
+            .all(|entry| entry.abs() <= LARGEST_COORDINATE)
+        {
             let expected = format!("a matrix that can be inverted {}", place());
             return Err(lexer
                 .fault_found(keyword, expected, "one that cannot")

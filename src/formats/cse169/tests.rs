@@ -188,8 +188,8 @@ fn what_is_wrong_in_a_skeleton_is_told_where_it_is() {
             "1:24: expected a number after `pose`, but found `nan`",
         ),
         (
-            "balljoint a { offset 1e39 0 0 }",
-            "1:22: expected a number of at most 3.4e38 in size after `offset`, but found `1e39`",
+            "balljoint a { offset 1e10 0 0 }",
+            "1:22: expected a number of at most 1e9 in size after `offset`, but found `1e10`",
         ),
         (
             "balljoint a { rotzlimit 2 -1 }",

@@ -139,8 +139,8 @@ fn what_is_wrong_in_a_line_of_a_skeleton_is_told_where_it_is() {
             "2:5: expected a number in joint 1, but found `inf`",
         ),
         (
-            "0 0 0 -1\n0 1e39 0 0",
-            "2:3: expected a number of at most 3.4e38 in size in joint 1, but found `1e39`",
+            "0 0 0 -1\n0 1e10 0 0",
+            "2:3: expected a number of at most 1e9 in size in joint 1, but found `1e10`",
         ),
         (
             "0 0 0",

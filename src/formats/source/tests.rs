@@ -273,6 +273,38 @@ fn a_fault_in_a_file_that_was_found_names_it_as_a_request_would() {
 }
 
 #[test]
+fn two_files_of_one_name_that_differ_are_not_part_of_one_rig() {
+    let folder = Folder::new("names");
+    let write = |file: &str, text: &str| {
+        std::fs::write(folder.root().join(file), text).expect("the temporary folder is ours");
+    };
+    std::fs::create_dir_all(folder.root().join("other")).expect("the temporary folder is ours");
+    write("one.morph", "positions 1 { 0 1 1 1 }");
+    write("other/one.morph", "positions 1 { 0 2 2 2 }");
+    write(
+        "both.rig",
+        "rig a { skin skin.skin morphs 2 { one.morph other/one.morph } }",
+    );
+    let wanted = "other: both.rig:1:45: expected `other/one.morph` to be a CSE 169 morph target, \
+        but found that it may not be opened: another file of that name is part of the rig";
+    assert_eq!(kind(load_path(&folder.rooted(), "both.rig")), wanted);
+    // A picture is left out.
+    std::fs::write(folder.root().join("other/skin.bmp"), [BMP, b"x"].concat())
+        .expect("the temporary folder is ours");
+    write("more.skin", &SKIN.replace("skin.bmp", "other/skin.bmp"));
+    let paths = ["skin.skin", "more.skin"].map(|path| FileRef::Path(path.to_owned()));
+    let rig = load(&paths, &folder.rooted(), &Limits::default())
+        .expect("both are fine")
+        .rig;
+    let textures = rig
+        .materials()
+        .iter()
+        .filter(|material| material.texture.is_some());
+    assert_eq!((textures.count(), rig.warnings().len()), (1, 1));
+    assert!(rig.warnings()[0].ends_with("another file of that name is part of the rig"));
+}
+
+#[test]
 fn a_texture_outside_is_left_out_with_a_warning() {
     let folder = Folder::new("outside");
     let local = folder.root().join("sub/up.skin").display().to_string();

@@ -5,11 +5,11 @@ use super::device::Device;
 use super::layout::View;
 use super::shaders;
 use super::skin::SkinnedMesh;
-use super::solids::SolidMeshes;
+use super::solids::SolidBuffers;
 use super::targets::{COLOR_FORMAT, ColorTarget, DEPTH_FORMAT, Layers, Targets};
 use super::textures::TextureBinding;
 use super::upload::GpuRig;
-use crate::render::{Picture, Segment, Solid};
+use crate::render::{Picture, Segment, SolidVertex};
 use crate::scene::Samples;
 use glam::Vec4;
 use std::collections::HashMap;
@@ -34,6 +34,9 @@ pub(super) fn layers_of(picture: &Picture) -> Layers {
     }
 }
 
+/// Of the two triangles that a line is drawn as.
+const LINE_CORNERS: u32 = 6;
+
 pub(super) struct ShadeStage {
     layout: wgpu::PipelineLayout,
     textured_layout: wgpu::PipelineLayout,
@@ -43,8 +46,11 @@ pub(super) struct ShadeStage {
     pipelines: HashMap<(Kind, Samples), wgpu::RenderPipeline>,
     view: wgpu::Buffer,
     view_group: wgpu::BindGroup,
+    /// Each segment once for each of its six corners: a software driver takes instances one at a time.
     lines: Growing,
-    solids: SolidMeshes,
+    /// Reused from frame to frame.
+    corners: Vec<Segment>,
+    solids: SolidBuffers,
 }
 
 /// Skinned meshes, and the rigs of the instances that they are of.
@@ -104,7 +110,8 @@ impl ShadeStage {
             view,
             view_group,
             lines: Growing::new(device, "shade.lines", BufferUsages::VERTEX),
-            solids: SolidMeshes::new(device),
+            corners: Vec::new(),
+            solids: SolidBuffers::new(device),
         }
     }
 
@@ -137,7 +144,11 @@ impl ShadeStage {
     /// Writes what the passes read, and makes the pipelines that were not needed before.
     fn prepare(&mut self, device: &Device, picture: &Picture, drawn: &Drawn<'_>) {
         let samples = picture.scene.samples;
-        let lines: &[u8] = bytemuck::cast_slice(&picture.skeleton.lines);
+        self.corners.clear();
+        let segments = picture.skeleton.lines.iter();
+        self.corners
+            .extend(segments.flat_map(|segment| [*segment; LINE_CORNERS as usize]));
+        let lines: &[u8] = bytemuck::cast_slice(&self.corners);
         self.lines.reserve(device, lines.len() as u64);
         device.queue.write_buffer(self.lines.buffer(), 0, lines);
         self.solids.write(device, &picture.skeleton.solids);
@@ -171,7 +182,7 @@ impl ShadeStage {
         if !lines.is_empty() {
             pass.set_pipeline(&self.pipelines[&(Kind::Lines, picture.scene.samples)]);
             pass.set_vertex_buffer(0, self.lines.buffer().slice(..));
-            pass.draw(0..6, 0..lines.len() as u32);
+            pass.draw(0..LINE_CORNERS * lines.len() as u32, 0..1);
         }
         if !solids.is_empty() {
             pass.set_pipeline(&self.pipelines[&(Kind::Solids, picture.scene.samples)]);
@@ -210,19 +221,11 @@ impl ShadeStage {
         let texcoords = wgpu::vertex_attr_array![2 => Float32x2];
         let segment =
             wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Float32x3];
-        let corner = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
-        let solid = wgpu::vertex_attr_array![2 => Float32x4, 3 => Float32x4, 4 => Float32x4, 5 => Float32x4];
-        let per_vertex = |array_stride, attributes| {
-            Some(wgpu::VertexBufferLayout {
-                array_stride,
-                step_mode: VertexStepMode::Vertex,
-                attributes,
-            })
-        };
-        let per_instance = |array_stride: usize, attributes| {
+        let solid = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3];
+        let per_vertex = |array_stride: usize, attributes| {
             Some(wgpu::VertexBufferLayout {
                 array_stride: array_stride as u64,
-                step_mode: VertexStepMode::Instance,
+                step_mode: VertexStepMode::Vertex,
                 attributes,
             })
         };
@@ -231,16 +234,13 @@ impl ShadeStage {
                 &self.layout,
                 &self.line_module,
                 "line",
-                vec![per_instance(size_of::<Segment>(), &segment[..])],
+                vec![per_vertex(size_of::<Segment>(), &segment[..])],
             ),
             Kind::Solids => (
                 &self.layout,
                 &self.solid_module,
                 "solid",
-                vec![
-                    per_vertex(24, &corner[..]),
-                    per_instance(size_of::<Solid>(), &solid[..]),
-                ],
+                vec![per_vertex(size_of::<SolidVertex>(), &solid[..])],
             ),
             Kind::Skin => (
                 &self.layout,

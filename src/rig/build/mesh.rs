@@ -224,15 +224,12 @@ impl MeshBuild<'_> {
 
     fn build_normals(&mut self) -> Vec<Vec3> {
         let given = self.mesh.normals.take();
-        let unusable = |normals: &Vec<Vec3>| {
-            normals
-                .iter()
-                .any(|normal| normal.try_normalize().is_none())
-        };
+        let unusable =
+            |normals: &Vec<Vec3>| normals.iter().any(|normal| direction(*normal).is_none());
         if let Some(normals) = given.as_ref().filter(|normals| !unusable(normals)) {
             return normals
                 .iter()
-                .map(|normal| normal.normalize_or(Vec3::Y))
+                .map(|normal| direction(*normal).unwrap_or(Vec3::Y))
                 .collect();
         }
         let mut computed = vec![Vec3::ZERO; self.mesh.positions.len()];
@@ -249,12 +246,15 @@ impl MeshBuild<'_> {
             .zip(computed)
             // A vertex of no triangle, or of flat ones only, has no normal to find; any will do.
             .map(|(given, computed)| {
-                given
-                    .try_normalize()
-                    .unwrap_or_else(|| computed.normalize_or(Vec3::Y))
+                direction(*given).unwrap_or_else(|| computed.normalize_or(Vec3::Y))
             })
             .collect()
     }
+}
+
+/// Of a vector of any length but 0, also where its square is too small for f32.
+fn direction(vector: Vec3) -> Option<Vec3> {
+    vector.as_dvec3().try_normalize().map(|unit| unit.as_vec3())
 }
 
 fn face_vector([a, b, c]: [u32; 3], positions: &[Vec3]) -> Vec3 {

@@ -102,8 +102,9 @@ fn an_animation_of_another_skeleton_moves_what_fits() {
     for (skeleton, applied, wanted) in [("joint a { }", 6, 6), (TWO_JOINTS, 6, 9)] {
         let (clip, warnings) = clip_of(skeleton, &text).expect("it is an animation");
         assert_eq!(clip.channels.len(), applied);
-        let told =
-            format!("a.anim:3:14: of 6 channels those are used that fit the {wanted} of `a.skel`");
+        let told = format!(
+            "a.anim:3:14: there are 6 channels, but `a.skel` takes {wanted}; those that fit are used"
+        );
         assert_eq!(warnings, vec![told; usize::from(wanted != 6)]);
     }
     let more = text.replace("numchannels 6", "numchannels 7");

@@ -196,8 +196,8 @@ fn what_is_wrong_in_an_obj_is_told_where_it_is() {
             "1:10: expected the end of the line after `vt u v w`, but found `0`",
         ),
         (
-            "v 1e39 0 0",
-            "1:3: expected a number of at most 3.4e38 in size after `v`, but found `1e39`",
+            "v 1e10 0 0",
+            "1:3: expected a number of at most 1e9 in size after `v`, but found `1e10`",
         ),
         (
             "v 0 0 0 \\\n\\\n x",

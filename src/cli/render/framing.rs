@@ -1,0 +1,78 @@
+//! A camera for a whole clip: the protocol's own frames the rig at rest, and a clip may lead it away from there.
+//! Never lives here: where the camera looks from.
+
+use crate::cli::local;
+use crate::protocol::blob::ArrayTransport;
+use crate::protocol::camera::{Camera as WireCamera, Orbit};
+use crate::protocol::frame::FrameParams;
+use crate::protocol::mesh::{VertexState, Vertices, VerticesParams};
+use crate::protocol::pose::{Pose, Transforms, TransformsParams};
+use crate::scene::{Bounds, Camera, Size};
+use crate::service::Service;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Moments of a clip that are looked at: a stride has a few, and what happens between two of them is seldom far outside of both.
+const MOMENTS: u32 = 24;
+
+/// Chooses target and distance, where the user has not, so that the rig stays in the picture from `start` to `end`, in seconds. They are
+/// the same in every frame.
+pub(super) fn frame_clip(
+    request: &mut FrameParams,
+    [start, end]: [f64; 2],
+    service: &Arc<Service>,
+) -> anyhow::Result<()> {
+    let WireCamera::Orbit(orbit) = request.camera else {
+        return Ok(());
+    };
+    if orbit.target.is_some() && orbit.distance.is_some() {
+        return Ok(());
+    }
+    let mut corners = Vec::new();
+    for moment in 0..=MOMENTS {
+        let share = f64::from(moment) / f64::from(MOMENTS);
+        let mut pose = request.pose.clone();
+        if let Some(clip) = &mut pose.clip {
+            clip.time = start + (end - start) * share;
+        }
+        corners.extend(extent(request, pose, service)?);
+    }
+    let bounds = Bounds::of(corners).unwrap_or(Bounds::ORIGIN);
+    let [width, height] = request.size;
+    let fits = Camera::distance_to_fit(&bounds, orbit.fov_y, Size { width, height });
+    request.camera = WireCamera::Orbit(Orbit {
+        target: orbit.target.or(Some(bounds.center().to_array())),
+        distance: orbit.distance.or(Some(fits)),
+        ..orbit
+    });
+    Ok(())
+}
+
+/// Points that have in their midst what the rig is in a pose: the corners of its skin's bounds, and its joints.
+fn extent(request: &FrameParams, pose: Pose, service: &Arc<Service>) -> anyhow::Result<Vec<DVec3>> {
+    let params = TransformsParams {
+        rig: request.rig.clone(),
+        pose: pose.clone(),
+    };
+    let (transforms, _) = local::ask::<_, Transforms>(service, "joint.transforms", &params)?;
+    let origins = transforms.joints.iter();
+    let mut points: Vec<DVec3> = origins
+        .map(|joint| DVec3::from_slice(&joint.world_from_joint[12..15]))
+        .collect();
+    let params = VerticesParams {
+        rig: request.rig.clone(),
+        pose,
+        skinning: request.skinning,
+        state: VertexState::Posed,
+        // Bounds alone.
+        attributes: Vec::new(),
+        mesh: None,
+        range: None,
+        transport: ArrayTransport::Attach,
+    };
+    let (vertices, _) = local::ask::<_, Vertices>(service, "mesh.vertices", &params)?;
+    if vertices.meshes.iter().any(|mesh| mesh.vertex_count > 0) {
+        points.extend([vertices.bounds.min, vertices.bounds.max].map(DVec3::from_array));
+    }
+    Ok(points)
+}
