@@ -316,5 +316,5 @@ pub struct Scene {
 
 impl Scene {
     /// Light from everywhere where a request names none: enough to keep the shadow side readable.
-    pub const DEFAULT_AMBIENT: Color = Color::constant(0.030, 0.035, 0.050);
+    pub const DEFAULT_AMBIENT: Color = Color::constant(0.055, 0.060, 0.080);
 }

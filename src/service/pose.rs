@@ -312,11 +312,29 @@ fn joint_named(name: &str, rig: &Rig) -> Result<usize, String> {
     found.ok_or_else(|| unknown("joint", name, known))
 }
 
-fn unknown<'a>(noun: &str, name: &str, known: impl Iterator<Item = &'a str>) -> String {
-    match crate::protocol::nearest(name, known) {
-        Some(near) => format!("the rig has no such {noun}; did you mean `{near}`?"),
-        None => format!("the rig has no such {noun}"),
+/// Offers the name that may have been meant, or else a few that there are.
+fn unknown<'a>(noun: &str, name: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
+    /// As many as are read at a glance.
+    const LISTED: usize = 8;
+    if let Some(near) = crate::protocol::nearest(name, known.clone()) {
+        return format!("the rig has no such {noun}; did you mean `{near}`?");
     }
+    let some: Vec<String> = known
+        .clone()
+        .take(LISTED)
+        .map(|name| format!("`{name}`"))
+        .collect();
+    let more = match known.count().saturating_sub(LISTED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    if some.is_empty() {
+        return format!("the rig has no such {noun}; it has none");
+    }
+    format!(
+        "the rig has no such {noun}; it has {}{more}",
+        some.join(", ")
+    )
 }
 
 fn no_such(field: impl Into<String>, problem: impl Into<String>) -> EngineError {
