@@ -237,7 +237,7 @@ fn find(entries: &BTreeMap<String, Entry>, rig: &str) -> Result<(String, RigRef)
 
 /// Of skinned vertices and joints. A rig without either is a point at the origin.
 fn bounds_of(posed: &Posed) -> Bounds {
-    // Rest is all but rigid, so either way of skinning has the same bounds.
+    // Those of linear skinning, also for requests with dual quaternions: a camera must not depend on the way of skinning.
     let palette = posed.palette(Skinning::Linear);
     let vertices = posed
         .rig()
