@@ -2,6 +2,16 @@
 
 @group(0) @binding(0) var<uniform> view: View;
 
+fn toward_eye(p: vec3<f32>) -> vec3<f32> {
+    return normalize(view.eye_in_world.xyz - p * view.eye_in_world.w);
+}
+
+// Of a normal of any length; a surface without one faces the eye.
+fn unit_normal(n: vec3<f32>, back_to_eye: vec3<f32>) -> vec3<f32> {
+    let length_squared = dot(n, n);
+    return select(back_to_eye, n * inverseSqrt(length_squared), length_squared > 0.0);
+}
+
 fn blinn_phong(p: vec3<f32>, n: vec3<f32>, back_to_eye: vec3<f32>, diffuse: vec3<f32>) -> vec3<f32> {
     var color = view.ambient * diffuse;
     for (var i = 0u; i < view.light_count; i++) {

@@ -54,7 +54,7 @@ fn textured_fragment(vertex: TexturedVertex, @builtin(front_facing) is_front: bo
 
 fn lit(p: vec3<f32>, smooth_normal: vec3<f32>, middle: vec3<f32>, is_front: bool, diffuse: vec3<f32>) -> vec4<f32> {
     // Both ways of finding out which side is seen are turned toward the eye, so that skin turned inside out is lit as well.
-    let back_to_eye = normalize(view.eye_in_world.xyz - p * view.eye_in_world.w);
+    let back_to_eye = toward_eye(p);
     var n = smooth_normal;
     // Derivatives need uniform control flow, so the flat normal is found in any case.
     let flat_normal = cross(dpdx(middle), dpdy(middle));
@@ -63,7 +63,6 @@ fn lit(p: vec3<f32>, smooth_normal: vec3<f32>, middle: vec3<f32>, is_front: bool
     } else if !is_front {
         n = -n;
     }
-    let length_squared = dot(n, n);
-    n = select(back_to_eye, n * inverseSqrt(length_squared), length_squared > 0.0);
+    n = unit_normal(n, back_to_eye);
     return vec4(blinn_phong(p, n, back_to_eye, diffuse) * view.opacity, view.opacity);
 }

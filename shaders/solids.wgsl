@@ -19,10 +19,9 @@ fn solid_vertex(
 @fragment
 fn solid_fragment(vertex: Vertex, @builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
     let p = vertex.position_in_world;
-    let back_to_eye = normalize(view.eye_in_world.xyz - p * view.eye_in_world.w);
+    let back_to_eye = toward_eye(p);
     // Seen from inside, as skin is.
-    var n = select(-vertex.normal_in_world, vertex.normal_in_world, is_front);
-    let length_squared = dot(n, n);
-    n = select(back_to_eye, n * inverseSqrt(length_squared), length_squared > 0.0);
+    let toward_us = select(-vertex.normal_in_world, vertex.normal_in_world, is_front);
+    let n = unit_normal(toward_us, back_to_eye);
     return vec4(blinn_phong(p, n, back_to_eye, vertex.color), 1.0);
 }

@@ -153,15 +153,7 @@ fn the_sample_animation_has_the_values_of_an_independent_program() {
         ]
     );
     assert_eq!(sample.rig.clips()[0].range, [0.0, 2.0]);
-    for (time, wanted) in [
-        (-0.7, [0.1, -0.025, 0.648]),
-        (-0.25, [0.1, -0.083594, 0.5]),
-        (0.25, [-0.15, 0.374219, 0.5]),
-        (0.6, [-0.1592, 0.3, 0.896]),
-        (0.9, [-0.173236, 0.34375, 0.104]),
-        (1.3, [0.356, 0.76875, 0.0]),
-        (2.5, [0.092, 1.16875, 0.0]),
-    ] {
+    for (time, wanted) in support::SAMPLE_ANIM {
         assert_close(&values_at(&sample, time), &wanted, &format!("{time} s"));
     }
 }

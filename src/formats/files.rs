@@ -102,9 +102,8 @@ impl<'a> Files<'a> {
             .read_beside(&from.name, name, &mut self.budget)?;
         // Digest and messages know a file by its base name, so that no two may differ in a rig.
         let mut others = self.sent.iter().chain(self.found.values());
-        let is_other = |file: &Arc<Gathered>| {
-            recognise::base_name(&file.name) == recognise::base_name(name) && file.bytes != bytes
-        };
+        let is_other =
+            |file: &Arc<Gathered>| base_name(&file.name) == base_name(name) && file.bytes != bytes;
         if others.any(is_other) {
             return Err(Denied::NotAllowed(
                 "another file of that name is part of the rig",

@@ -103,32 +103,24 @@ fn shares(from: u32, to: u32) -> Vec<[(usize, f32); 3]> {
     (0..to).map(share).collect()
 }
 
-/// sRGB to linear (IEC 61966-2-1).
-static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
-    std::array::from_fn(|encoded| {
-        let encoded = encoded as f64 / 255.0;
-        let linear = if encoded <= 0.04045 {
-            encoded / 12.92
-        } else {
-            libm::pow((encoded + 0.055) / 1.055, 2.4)
-        };
-        linear as f32
-    })
-});
+/// Of a channel with 255 for 1, also between two values (IEC 61966-2-1).
+fn linear_from_srgb(encoded: f64) -> f32 {
+    let encoded = encoded / 255.0;
+    let linear = if encoded <= 0.04045 {
+        encoded / 12.92
+    } else {
+        libm::pow((encoded + 0.055) / 1.055, 2.4)
+    };
+    linear as f32
+}
+
+static LINEAR: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|encoded| linear_from_srgb(encoded as f64)));
 
 /// The nearest of the 256 values: the middle between two neighbours is where one gives way to the next.
 fn srgb(linear: f32) -> u8 {
-    static MIDDLES: LazyLock<[f32; 255]> = LazyLock::new(|| {
-        std::array::from_fn(|below| {
-            let middle = (below as f64 + 0.5) / 255.0;
-            let linear = if middle <= 0.04045 {
-                middle / 12.92
-            } else {
-                libm::pow((middle + 0.055) / 1.055, 2.4)
-            };
-            linear as f32
-        })
-    });
+    static MIDDLES: LazyLock<[f32; 255]> =
+        LazyLock::new(|| std::array::from_fn(|below| linear_from_srgb(below as f64 + 0.5)));
     MIDDLES.partition_point(|middle| *middle <= linear) as u8
 }
 

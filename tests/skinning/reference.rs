@@ -2,10 +2,10 @@
 //! tests' own.
 
 use crate::subject::{LINEAR, SERVICE, Subject, real};
-use crate::support::ask_ok;
 use crate::support::oracle::compare::bounds;
 use crate::support::oracle::matrix::{Vector, difference, length, origin};
 use crate::support::oracle::{self, AngleOrder, Pose};
+use crate::support::{SAMPLE_ANIM, ask_ok};
 use serde_json::{Value, json};
 
 /// Half a step of the last decimal, and what float32 adds.
@@ -114,15 +114,7 @@ fn the_oracle_evaluates_every_tangent_and_extrapolation_as_another_program() {
     };
     let rig = made.oracle();
     let channels = &rig.clips[0].channels;
-    for (time, wanted) in [
-        (-0.7, [0.1, -0.025, 0.648]),
-        (-0.25, [0.1, -0.083594, 0.5]),
-        (0.25, [-0.15, 0.374219, 0.5]),
-        (0.6, [-0.1592, 0.3, 0.896]),
-        (0.9, [-0.173236, 0.34375, 0.104]),
-        (1.3, [0.356, 0.76875, 0.0]),
-        (2.5, [0.092, 1.16875, 0.0]),
-    ] {
+    for (time, wanted) in SAMPLE_ANIM {
         let found = [0, 1, 2].map(|channel: usize| channels[channel].at(time));
         assert_printed(&format!("sample.anim at {time}"), found, wanted, 6);
     }

@@ -54,6 +54,18 @@ pub fn service_with(limits: Limits, source: Source) -> Arc<Service> {
     Service::new(engine, source)
 }
 
+/// The first three channels of the course's `sample.anim` at moments before, between and after its keys, in seconds, by an
+/// independent program.
+pub const SAMPLE_ANIM: [(f64, [f64; 3]); 7] = [
+    (-0.7, [0.1, -0.025, 0.648]),
+    (-0.25, [0.1, -0.083594, 0.5]),
+    (0.25, [-0.15, 0.374219, 0.5]),
+    (0.6, [-0.1592, 0.3, 0.896]),
+    (0.9, [-0.173236, 0.34375, 0.104]),
+    (1.3, [0.356, 0.76875, 0.0]),
+    (2.5, [0.092, 1.16875, 0.0]),
+];
+
 /// Where real rigs lie, which the project may not ship. `None`, and a line in the log, where they are absent.
 pub fn real_rigs() -> Option<PathBuf> {
     let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/rigs"));

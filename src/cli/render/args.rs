@@ -107,6 +107,13 @@ pub(in crate::cli) struct PoseArgs {
     pub skinning: Skinning,
 }
 
+impl PoseArgs {
+    /// Whether a sequence of pictures lets the clip run, not stand still at a time.
+    pub fn plays_clip(&self) -> bool {
+        self.clip.is_some() && self.time.is_none()
+    }
+}
+
 #[derive(Args)]
 #[command(next_help_heading = "Camera")]
 pub(in crate::cli) struct CameraArgs {

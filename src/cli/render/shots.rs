@@ -32,11 +32,12 @@ const DEFAULT_FPS: f64 = 24.0;
 
 impl RenderArgs {
     pub(super) fn motion(&self, format: Format) -> anyhow::Result<Motion> {
-        let plays = self.pose.clip.is_some() && self.pose.time.is_none();
         let has_fps = self.sequence.fps.is_some();
         match self.sequence.turntable {
             Some(frames) => Ok(Motion::Turntable(frames)),
-            None if plays && (format != Format::Png || has_fps) => Ok(Motion::Clip),
+            None if self.pose.plays_clip() && (format != Format::Png || has_fps) => {
+                Ok(Motion::Clip)
+            }
             None if has_fps => {
                 bail!("--fps is for a sequence: give --turntable, or --clip without --time")
             }
@@ -83,8 +84,8 @@ impl Shots {
             name,
             time: args.pose.time.map_or(range[0], |Seconds(time)| time),
         });
-        let plays = args.pose.clip.is_some() && args.pose.time.is_none();
-        if plays && motion != Motion::Still {
+        let plays = args.pose.plays_clip() && motion != Motion::Still;
+        if plays {
             frame_clip(&mut request, range, service)?;
         }
         let azimuth = args.camera.camera.map(|camera| camera.azimuth);
@@ -100,7 +101,7 @@ impl Shots {
             request,
             count,
             turntable,
-            played_from: (plays && motion != Motion::Still).then_some(range[0]),
+            played_from: plays.then_some(range[0]),
             rate,
         })
     }

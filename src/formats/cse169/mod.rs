@@ -7,8 +7,6 @@ pub(super) mod morph;
 mod sections;
 pub(super) mod skel;
 pub(super) mod skin;
-#[cfg(test)]
-mod tests;
 
 use super::error::FileFault;
 use super::lexer::{Lexer, Token};

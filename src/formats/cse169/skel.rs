@@ -252,3 +252,6 @@ fn is_joint(word: &str) -> bool {
 fn is_keyword(word: &str) -> bool {
     is_joint(word) || word == "orient" || Property::of(word).is_some()
 }
+
+#[cfg(test)]
+mod tests;

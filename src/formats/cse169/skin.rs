@@ -391,3 +391,6 @@ fn read_index(lexer: &mut Lexer, place: impl Fn() -> String) -> Result<u32, File
     let (index, _) = lexer.whole(place)?;
     Ok(u32::try_from(index).unwrap_or(u32::MAX))
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,7 +3,7 @@
 use super::buffers::filled;
 use super::device::Device;
 use super::textures::TextureBinding;
-use crate::rig::{Mesh, MorphDisplacement, Rig, RigId, Texture};
+use crate::rig::{Mesh, MorphDisplacement, Rig, RigId};
 use bytemuck::Zeroable;
 use std::collections::HashMap;
 use std::sync::{Arc, Weak};
@@ -113,7 +113,7 @@ impl GpuRig {
             .collect();
         let of_meshes: u64 = rig.meshes().iter().map(mesh_bytes).sum();
         let textures = rig.materials().iter().flat_map(|m| &m.texture);
-        let of_textures: u64 = textures.map(|texture| texture_bytes(texture)).sum();
+        let of_textures: u64 = textures.map(|texture| texture.memory_bytes() as u64).sum();
         Self {
             meshes,
             rig: Arc::downgrade(rig),
@@ -132,23 +132,19 @@ fn mesh_bytes(mesh: &Mesh) -> u64 {
     4 * (words + 3 * mesh.triangles().len()) as u64
 }
 
-fn texture_bytes(texture: &Texture) -> u64 {
-    let levels = texture.levels().iter();
-    levels
-        .map(|level| size_of_val(level.texels.as_slice()) as u64)
-        .sum()
-}
-
 impl GpuMesh {
     /// Without its texture.
     fn upload(device: &Device, layout: &wgpu::BindGroupLayout, index: usize, mesh: &Mesh) -> Self {
         let stored = BufferUsages::STORAGE;
         let bind_vertices = [mesh.positions(), mesh.normals()].concat();
         // A shader has no way to be given nothing.
-        let no_starts = vec![0u32; mesh.vertex_count() + 1];
+        let no_starts;
         let nothing = [MorphDisplacement::zeroed()];
         let (morph_starts, displacements) = match mesh.morph_starts() {
-            [] => (no_starts.as_slice(), nothing.as_slice()),
+            [] => {
+                no_starts = vec![0u32; mesh.vertex_count() + 1];
+                (no_starts.as_slice(), nothing.as_slice())
+            }
             starts => (starts, mesh.morph_displacements()),
         };
         let entries = [

@@ -224,13 +224,9 @@ impl MeshBuild<'_> {
 
     fn build_normals(&mut self) -> Vec<Vec3> {
         let given = self.mesh.normals.take();
-        let unusable =
-            |normals: &Vec<Vec3>| normals.iter().any(|normal| direction(*normal).is_none());
-        if let Some(normals) = given.as_ref().filter(|normals| !unusable(normals)) {
-            return normals
-                .iter()
-                .map(|normal| direction(*normal).unwrap_or(Vec3::Y))
-                .collect();
+        let directions = |normals: &Vec<Vec3>| normals.iter().map(|n| direction(*n)).collect();
+        if let Some(usable) = given.as_ref().and_then(directions) {
+            return usable;
         }
         let mut computed = vec![Vec3::ZERO; self.mesh.positions.len()];
         for &triangle in &self.mesh.triangles {
