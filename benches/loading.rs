@@ -137,6 +137,7 @@ fn main() {
     let choice = RendererChoice {
         adapter,
         require_gpu: false,
+        threads: None,
     };
     let engine = Engine::open(choice, Limits::default()).expect("a graphics adapter");
     println!("with {}; medians of {ROUNDS}", engine.adapter());

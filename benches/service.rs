@@ -10,7 +10,7 @@ use rigd::formats::Source;
 use rigd::limits::Limits;
 use rigd::pose::{Pose, Posed, Skinning};
 use rigd::protocol::frame::FrameParams;
-use rigd::scene::{Background, Camera, Light, Orbit, Samples, Scene, Show, Size, Surface};
+use rigd::scene::{Background, Camera, Cull, Light, Orbit, Samples, Scene, Show, Size, Surface};
 use rigd::server::{Patience, Server};
 use rigd::service::Service;
 use serde_json::json;
@@ -30,6 +30,7 @@ fn open() -> (Engine, Arc<LoadedRig>) {
     let choice = RendererChoice {
         adapter,
         require_gpu: false,
+        threads: None,
     };
     let engine = Engine::open(choice, Limits::default()).expect("a graphics adapter");
     let rig = engine
@@ -50,6 +51,7 @@ fn scene(rig: &LoadedRig) -> Scene {
         surface: Surface::default(),
         background: Background::default(),
         show: Show::default(),
+        cull: Cull::default(),
     }
 }
 

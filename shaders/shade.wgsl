@@ -1,5 +1,5 @@
 // Stages 2 and 3, raster and shade, of the skin. In: skinned vertices in world space. Out: premultiplied linear RGBA, one sample or four.
-// CPU twin: to come with `render/cpu`'s drawing; the rules stand in `render/plan.rs`.
+// CPU twins: `render/cpu/raster.rs`, `interpolate.rs`, `texture.rs` and `shade.rs`; the rules stand in `render/plan.rs`.
 
 @group(1) @binding(0) var texture: texture_2d<f32>;
 @group(1) @binding(1) var repeated: sampler;
@@ -46,10 +46,23 @@ fn textured_vertex(
 
 @fragment
 fn textured_fragment(vertex: TexturedVertex, @builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
-    // The picture's rows run from the top, its v from the bottom.
-    let texel = textureSample(texture, repeated, vec2(vertex.texcoord.x, 1.0 - vertex.texcoord.y));
-    let diffuse = view.textured_diffuse * texel.rgb;
+    let diffuse = view.textured_diffuse * sampled(vertex.texcoord);
     return lit(vertex.position_in_world, vertex.normal_in_world, vertex.middle_in_world, is_front, diffuse);
+}
+
+// The level of detail is worked out here and its two neighbours are mixed here: drivers have formulas of their own for both.
+fn sampled(texcoord: vec2<f32>) -> vec3<f32> {
+    let texels = vec2<f32>(textureDimensions(texture));
+    let by_x = dpdxFine(texcoord) * texels;
+    let by_y = dpdyFine(texcoord) * texels;
+    let texels_squared = max(max(dot(by_x, by_x), dot(by_y, by_y)), 1.0);
+    let level = min(0.5 * log2(texels_squared), f32(textureNumLevels(texture) - 1u));
+    let lower = floor(level);
+    // The picture's rows run from the top, its v from the bottom.
+    let place = vec2(texcoord.x, 1.0 - texcoord.y);
+    let nearer = textureSampleLevel(texture, repeated, place, lower).rgb;
+    let further = textureSampleLevel(texture, repeated, place, lower + 1.0).rgb;
+    return mix(nearer, further, level - lower);
 }
 
 fn lit(p: vec3<f32>, smooth_normal: vec3<f32>, middle: vec3<f32>, is_front: bool, diffuse: vec3<f32>) -> vec4<f32> {

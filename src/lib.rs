@@ -26,7 +26,9 @@
 //! |---|---|
 //! | `wgpu` `pollster` | [`render::gpu`] |
 //! | `bytemuck` | [`render::gpu`] [`render`] [`rig`] [`pose`] |
-//! | `rayon` `png` `gif` `color_quant` | [`encode`] |
+//! | `png` `gif` `color_quant` | [`encode`] |
+//! | `rayon` | [`encode`] [`render::cpu`] |
+//! | `fearless_simd` | [`render::cpu`] |
 //! | `image` | [`encode`] [`formats`] |
 //! | `cap_std` `sha2` | [`formats`] |
 //! | `serde_path_to_error` `strsim` `schemars` `base64` | [`protocol`] |
@@ -35,7 +37,7 @@
 //! | `clap` `anyhow` `indicatif` `signal_hook` | [`cli`] |
 //! | `std::net` | [`server`] [`client`] |
 //! | `std::fs` | [`formats`] [`cli`] |
-//! | `libm` | [`pose`] [`scene`] [`rig`] |
+//! | `libm` | [`pose`] [`scene`] [`rig`] [`render::cpu`] |
 //!
 //! `glam` and `thiserror` are at home everywhere.
 //!

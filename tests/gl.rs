@@ -2,10 +2,6 @@
 
 mod support;
 
-use rigd::engine::{Engine, EngineError, RendererChoice};
-use rigd::formats::Source;
-use rigd::limits::Limits;
-use rigd::render::gpu::{AdapterChoice, AdapterError, Backend};
 use rigd::service::Service;
 use serde_json::json;
 use std::sync::{Arc, LazyLock};
@@ -22,39 +18,11 @@ const PICTURES: Tolerance = Tolerance {
 const VERTICES: f32 = 1e-5;
 
 /// GL's and Vulkan's, or `None` where one is missing.
-static SERVICES: LazyLock<Option<[Arc<Service>; 2]>> = LazyLock::new(|| {
-    let opened = [Backend::Gl, Backend::Vulkan].map(|backend| {
-        let adapter = AdapterChoice::Backend(backend);
-        let choice = RendererChoice {
-            adapter,
-            require_gpu: false,
-        };
-        match Engine::open(choice, Limits::default()) {
-            Ok(engine) => {
-                support::note(&format!("drawing with {}", engine.adapter()));
-                let (figure, source) = (rigd::cli::figure(), Source::inline_only());
-                engine
-                    .load(None, &figure, &source, false)
-                    .expect("the built-in figure loads");
-                Some(Service::new(engine, source))
-            }
-            Err(EngineError::Adapter(AdapterError::NoMatch { .. } | AdapterError::None)) => None,
-            // An adapter that is there and does not open is a fault.
-            Err(error) => panic!("{error}"),
-        }
-    });
-    match opened {
-        [Some(gl), Some(vulkan)] => Some([gl, vulkan]),
-        _ => None,
-    }
-});
+static SERVICES: LazyLock<Option<[Arc<Service>; 2]>> =
+    LazyLock::new(|| Some([support::service_on("gl")?, support::service_on("vulkan")?]));
 
 fn both() -> Option<&'static [Arc<Service>; 2]> {
-    let both = SERVICES.as_ref();
-    if both.is_none() {
-        support::note("SKIPPED: there is no GL adapter, or no Vulkan adapter to compare it with");
-    }
-    both
+    SERVICES.as_ref()
 }
 
 #[test]
@@ -105,11 +73,7 @@ fn both_backends_draw_the_same_pictures() {
             "{name}: {differing} pixels differ, at most by {}",
             by_gl.worst_difference(&by_vulkan)
         );
-        assert_eq!(
-            matches(Some(&by_vulkan), &by_gl, PICTURES),
-            Ok(()),
-            "{name}"
-        );
+        assert_eq!(matches(&by_vulkan, &by_gl, PICTURES), Ok(()), "{name}");
     }
 }
 

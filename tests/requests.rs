@@ -1391,7 +1391,7 @@ fn the_server_tells_what_it_is() {
         (&json!("rigd"), &json!(1))
     );
     assert_eq!(info["version"], env!("CARGO_PKG_VERSION"));
-    for member in ["name", "backend", "type", "driver"] {
+    for member in ["name", "backend", "type", "driver", "why"] {
         assert!(info["adapter"][member].is_string(), "{member}");
     }
     assert_eq!(info["formats"], json!(rigd::formats::FORMATS));
@@ -1408,8 +1408,8 @@ fn the_server_tells_what_it_is() {
 }
 
 #[test]
-fn every_answer_is_counted_once_and_a_lost_device_is_opened_again() {
-    // Its own, so that nobody else's requests are counted, and nobody else's device is lost.
+fn every_answer_is_counted_once() {
+    // Its own, so that nobody else's requests are counted.
     let service = support::service();
     let draw = || {
         ask(
@@ -1448,7 +1448,7 @@ fn every_answer_is_counted_once_and_a_lost_device_is_opened_again() {
     let figure = ask_ok(&service, "rig.describe", json!({"rig": "figure"}));
     let per_frame = figure["vertex_count"].as_u64().expect("a number");
     assert_eq!(stats["vertices"], 3 * per_frame + 10);
-    for held in ["cpu_bytes", "rigs_bytes", "gpu_bytes"] {
+    for held in ["cpu_bytes", "rigs_bytes"] {
         assert!(
             stats["memory"][held]
                 .as_u64()
@@ -1456,26 +1456,4 @@ fn every_answer_is_counted_once_and_a_lost_device_is_opened_again() {
             "{held}"
         );
     }
-
-    let wanted = draw().expect("a picture")["images"]["color"]["data"].take();
-    let mut lost = 0;
-    for _ in 0..3 {
-        service.engine().lose_device();
-        // The next request may be the one that finds out.
-        if let Err(error) = draw() {
-            assert_eq!(
-                (error.code, error.data.kind.as_str()),
-                (-32006, "device_lost")
-            );
-            assert!(error.data.retryable);
-            lost += 1;
-        }
-        let again = draw().expect("the device is there again");
-        assert!(
-            again["images"]["color"]["data"] == wanted,
-            "another picture than before"
-        );
-        ask_ok(&service, "mesh.vertices", json!({"rig": "figure"}));
-    }
-    println!("{lost} of 3 losses were noticed by a request");
 }

@@ -200,7 +200,7 @@ struct Daemon {
 
 impl Daemon {
     fn start() -> Self {
-        let adapter = std::env::var("RIGD_TEST_ADAPTER").unwrap_or_else(|_| "llvmpipe".to_owned());
+        let adapter = support::adapter();
         let mut child = Command::new(env!("CARGO_BIN_EXE_rigd"))
             .args(["serve", "--listen", "127.0.0.1:0", "--adapter", &adapter])
             .stdout(Stdio::piped())
@@ -289,7 +289,7 @@ fn a_second_signal_does_not_wait() {
         wire.request(
             id,
             "frame.render",
-            json!({"rig": rig, "size": [1024, 1024]}),
+            json!({"rig": rig, "size": [4096, 4096], "compression": "best"}),
         );
     }
     wire.result(0);

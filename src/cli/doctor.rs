@@ -8,7 +8,7 @@ use crate::service::Service;
 use std::time::Instant;
 
 pub(super) fn run(args: &RendererArgs) -> anyhow::Result<()> {
-    let found = adapters();
+    let found = adapters(args.threads);
     if found.is_empty() {
         println!("No graphics adapter was found.");
     }

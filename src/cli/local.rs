@@ -21,6 +21,7 @@ impl RendererArgs {
         let choice = RendererChoice {
             adapter,
             require_gpu: self.require_gpu,
+            threads: self.threads,
         };
         Ok(Engine::open(choice, Limits::default())?)
     }

@@ -13,6 +13,7 @@ pub use builtin::figure;
 
 use clap::{Args, Parser, Subcommand};
 use std::io::Write;
+use std::num::NonZeroUsize;
 
 /// Keeps character rigs loaded, poses and skins them, and answers with pictures and vertices.
 ///
@@ -46,12 +47,15 @@ enum Command {
 /// What draws.
 #[derive(Args, Clone, Default)]
 struct RendererArgs {
-    /// Graphics adapter: auto, vulkan, gl, metal, dx12, or a part of its name
+    /// What draws: auto (a GPU, else the CPU), cpu, vulkan, gl, metal, dx12, or a part of an adapter's name
     #[arg(long, value_name = "WHICH", default_value = "auto")]
     adapter: String,
-    /// Refuse drivers that draw on the CPU
+    /// Refuse whatever draws on the CPU
     #[arg(long)]
     require_gpu: bool,
+    /// Threads for drawing on the CPU and for encoding [default: one for each core]
+    #[arg(long, value_name = "COUNT")]
+    threads: Option<NonZeroUsize>,
 }
 
 /// Runs what the arguments of the process ask for.

@@ -3,8 +3,7 @@
 use crate::formats::LoadError;
 use crate::limits::LimitExceeded;
 use crate::pose::{OutsideLimits, PoseOutOfRange};
-use crate::render::RenderError;
-use crate::render::gpu::AdapterError;
+use crate::render::{AdapterError, RenderError};
 use crate::scene::{SceneError, SizeError};
 
 #[derive(Debug, thiserror::Error)]

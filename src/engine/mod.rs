@@ -5,7 +5,7 @@ mod error;
 mod store;
 mod worker;
 
-pub use crate::render::gpu::{AdapterChoice, AdapterInfo, AdapterKind, adapters};
+pub use crate::render::{AdapterChoice, AdapterInfo, AdapterKind, Backend};
 pub use admission::{Admission, AttachedBytes, HeldBytes, Share, Ticket};
 pub use error::EngineError;
 pub use store::{LoadedRig, RigRef};
@@ -17,9 +17,9 @@ use crate::frame::{Frame, SkinnedVertices};
 use crate::limits::Limits;
 use crate::pick::{self, Hit, Targets};
 use crate::pose::{Clamped, Pose, PoseEdit, Posed, Skinning};
-use crate::render::gpu::Capabilities;
-use crate::render::{Outputs, Plan};
+use crate::render::{self, Capabilities, Outputs, Plan};
 use crate::scene::{BoneRadius, Ray, Scene, Shape, VertexQuery};
+use std::num::NonZeroUsize;
 use std::sync::{Arc, Mutex, PoisonError};
 use store::Store;
 use worker::{Job, Worker};
@@ -28,8 +28,15 @@ use worker::{Job, Worker};
 #[derive(Debug, Clone, Default)]
 pub struct RendererChoice {
     pub adapter: AdapterChoice,
-    /// Refuse drivers that draw on the CPU.
+    /// Refuse whatever draws on the CPU.
     pub require_gpu: bool,
+    /// For drawing on the CPU and for encoding; without it, as many as there are cores.
+    pub threads: Option<NonZeroUsize>,
+}
+
+/// Everything that can be drawn with, best first.
+pub fn adapters(threads: Option<NonZeroUsize>) -> Vec<AdapterInfo> {
+    render::adapters(Pool::threads(threads))
 }
 
 /// What a ray is asked to meet.
@@ -99,7 +106,7 @@ impl Engine {
     /// # Errors
     /// [`EngineError::Adapter`] where there is none of the kind asked for.
     pub fn open(choice: RendererChoice, limits: Limits) -> Result<Self, EngineError> {
-        let pool = Pool::new().map_err(|error| EngineError::Internal {
+        let pool = Pool::new(choice.threads).map_err(|error| EngineError::Internal {
             reason: error.to_string(),
         })?;
         let worker = Worker::open(choice, pool)?;

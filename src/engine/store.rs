@@ -7,7 +7,7 @@ use crate::pose::{Clamped, Pose, Posed, Skinning};
 use crate::render::cpu;
 use crate::rig::Rig;
 use crate::scene::{Bounds, Show, ShowSkeleton, ShowSkin};
-use glam::DVec3;
+use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -243,14 +243,14 @@ fn bounds_of(posed: &Posed) -> Bounds {
         .rig()
         .meshes()
         .iter()
-        .flat_map(|mesh| cpu::skin_mesh(mesh, &palette, posed.morph_weights()));
+        .flat_map(|mesh| cpu::skin_mesh(mesh, &palette, posed.morph_weights()).0);
     let joints = posed
         .world_from_joint()
         .iter()
         .map(|world_from_joint| world_from_joint.translation);
     Bounds::of(
         vertices
-            .map(|vertex| vertex.position.as_dvec3())
+            .map(|position| Vec3::from_array(position).as_dvec3())
             .chain(joints),
     )
     .unwrap_or(Bounds::ORIGIN)
@@ -261,18 +261,8 @@ fn with_boxes(bounds: Bounds, posed: &Posed) -> Bounds {
     let boxes = joints
         .zip(posed.world_from_joint())
         .flat_map(|(joint, world_from_joint)| {
-            let corners = joint.bounding_box.into_iter().flat_map(|[min, max]| {
-                (0..8).map(move |corner: usize| {
-                    let side = |axis: usize| {
-                        if corner >> axis & 1 == 0 {
-                            min[axis]
-                        } else {
-                            max[axis]
-                        }
-                    };
-                    DVec3::new(side(0), side(1), side(2))
-                })
-            });
+            let boxes = joint.bounding_box.into_iter();
+            let corners = boxes.flat_map(|[min, max]| Bounds { min, max }.corners());
             corners.map(|corner| world_from_joint.transform_point3(corner))
         });
     Bounds::of(boxes.chain([bounds.min, bounds.max])).unwrap_or(bounds)

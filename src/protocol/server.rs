@@ -34,6 +34,9 @@ pub struct Adapter {
     pub kind: AdapterKind,
     /// Name and version of its driver, as far as that is known.
     pub driver: String,
+    /// Why it was chosen.
+    #[serde(default)]
+    pub why: String,
 }
 
 /// What sort of machine draws.

@@ -8,12 +8,16 @@
 //!    `motion(S · p)`; normal `rotation(normalize(cofactor(S) · n))`. A normal that comes to nothing is the one before. The cofactor
 //!    matrix has the cross products of the columns as its columns, which is right under any scale, and turns normals over with the
 //!    winding where the matrix mirrors.
-//! 2. **Raster**: standard 4-sample positions, or the pixel's center; depth is reversed and the nearest wins; nothing is culled.
+//! 2. **Raster**: corners rounded to 1/256 pixel; standard 4-sample positions, or the pixel's center; a sample on an edge belongs to the
+//!    triangle whose top or left edge it is; depth is reversed, the nearest wins, of equal ones the first; what cannot be seen of closed
+//!    skin is culled, all else is two-sided.
 //! 3. **Shade**, per pixel and triangle, in world space and linear RGB, at the pixel's center, or at a place the triangle covers where it
-//!    does not cover that; `n` flipped toward the side that is seen:
+//!    does not cover all samples; `n` flipped toward the side that is seen:
 //!    `ambient · diffuse + Σ radiance · (diffuse · max(n·l, 0) + [n·l > 0] · specular · max(n·h, 0)^shininess)`, clamped to 0..1.
 //!    A flat normal is the triangle's own. `diffuse` is the surface's, times the texture at the pixel's center where the mesh has one
-//!    (linear light, repeated, trilinear, `v` = 0 the bottom row); of a skeleton's solids it is their own color.
+//!    (linear light, repeated, bilinear in two levels and linear between, `v` = 0 the bottom row); of a skeleton's solids it is their own
+//!    color. The level is `½ · log2(max(1, a², b²))`, where `a` and `b` are how far, in texels, the texture moves between the centers of
+//!    the two pixels of a row and of a column in the aligned square of four that the pixel is of.
 //! 4. **Blend**: skeleton first; the nearest surface of the skin is laid over what is there by its opacity; the skeleton behind an
 //!    opaque skin stays hidden. Alpha is premultiplied.
 //! 5. **Resolve**: the samples of a pixel are averaged, linear and premultiplied, each layer by itself, and the skin's layer is laid over the

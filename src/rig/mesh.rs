@@ -29,6 +29,24 @@ pub struct Influence {
     pub weight: f32,
 }
 
+/// Which way the triangles of a closed surface are wound.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Facing {
+    /// Counter-clockwise seen from outside.
+    Outward,
+    /// Counter-clockwise seen from within.
+    Inward,
+}
+
+/// Where in bind space the vertices are that follow one binding.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Followers {
+    /// Index into [`Rig::bindings`](super::Rig::bindings).
+    pub binding: u32,
+    pub min: Vec3,
+    pub max: Vec3,
+}
+
 /// A triangle mesh in bind space, vertices in the file's own order.
 #[derive(Debug)]
 pub struct Mesh {
@@ -43,6 +61,10 @@ pub struct Mesh {
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) draw_triangles: Vec<[u32; 3]>,
     pub(super) material: Option<usize>,
+    pub(super) facing: Option<Facing>,
+    pub(super) has_negative_weights: bool,
+    pub(super) followers: Vec<Followers>,
+    pub(super) morph_reach: Vec<(usize, f32)>,
 }
 
 impl Mesh {
@@ -116,6 +138,26 @@ impl Mesh {
         self.material
     }
 
+    /// How the [draw triangles](Self::draw_triangles) are wound if they enclose a volume, whatever the pose.
+    pub fn facing(&self) -> Option<Facing> {
+        self.facing
+    }
+
+    /// Where not, a vertex lies between the places that what it follows would put it.
+    pub fn has_negative_weights(&self) -> bool {
+        self.has_negative_weights
+    }
+
+    /// One for each binding that vertices follow, by binding.
+    pub fn followers(&self) -> &[Followers] {
+        &self.followers
+    }
+
+    /// `(index into [`Rig::morphs`](super::Rig::morphs), how far it moves a vertex at the most at weight 1)` of each that moves this mesh.
+    pub fn morph_reach(&self) -> &[(usize, f32)] {
+        &self.morph_reach
+    }
+
     pub(super) fn memory_bytes(&self) -> usize {
         let texcoords = self
             .texcoords
@@ -130,5 +172,6 @@ impl Mesh {
             + size_of_val(self.morph_displacements.as_slice())
             + size_of_val(self.triangles.as_slice())
             + size_of_val(self.draw_triangles.as_slice())
+            + size_of_val(self.followers.as_slice())
     }
 }

@@ -64,7 +64,7 @@ impl TextureLevel {
         }
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         let (columns, rows) = (shares(self.width, width), shares(self.height, height));
-        let linear = &*LINEAR;
+        let linear = &*LINEAR_FROM_SRGB;
         let mut texels = Vec::with_capacity(width as usize * height as usize);
         for row in &rows {
             for column in &columns {
@@ -114,7 +114,8 @@ fn linear_from_srgb(encoded: f64) -> f32 {
     linear as f32
 }
 
-static LINEAR: LazyLock<[f32; 256]> =
+/// Of each of the 256 values of a channel (IEC 61966-2-1).
+pub static LINEAR_FROM_SRGB: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|encoded| linear_from_srgb(encoded as f64)));
 
 /// The nearest of the 256 values: the middle between two neighbours is where one gives way to the next.

@@ -35,6 +35,20 @@ impl Bounds {
         }
     }
 
+    pub fn corners(&self) -> impl Iterator<Item = DVec3> + use<> {
+        let Self { min, max } = *self;
+        (0..8).map(move |corner: usize| {
+            let side = |axis: usize| {
+                if corner >> axis & 1 == 0 {
+                    min[axis]
+                } else {
+                    max[axis]
+                }
+            };
+            DVec3::new(side(0), side(1), side(2))
+        })
+    }
+
     pub fn center(&self) -> DVec3 {
         (self.min + self.max) / 2.0
     }

@@ -283,6 +283,14 @@ impl Default for Show {
     }
 }
 
+/// Whether sides of a surface that cannot be seen are left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Cull {
+    #[default]
+    Auto,
+    Never,
+}
+
 /// Samples of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Samples {
@@ -312,6 +320,7 @@ pub struct Scene {
     pub surface: Surface,
     pub background: Background,
     pub show: Show,
+    pub cull: Cull,
 }
 
 impl Scene {

@@ -7,7 +7,7 @@ use crate::protocol::Fault;
 use crate::protocol::camera as wire_camera;
 use crate::protocol::frame as wire;
 use crate::scene::{
-    Background, Bounds, Camera, Color, Falloff, Light, LookAt, Near, Orbit, Pinhole, Samples,
+    Background, Bounds, Camera, Color, Cull, Falloff, Light, LookAt, Near, Orbit, Pinhole, Samples,
     Scene, SceneError, Show, ShowNormals, ShowSkeleton, ShowSkin, Size, Surface,
 };
 use glam::{DMat4, DVec3};
@@ -62,6 +62,10 @@ impl Call<'_> {
                     .background
                     .map_or(Ok(Background::default()), Background::new)?,
                 show,
+                cull: match params.cull {
+                    wire::Cull::Auto => Cull::Auto,
+                    wire::Cull::Never => Cull::Never,
+                },
             })
         };
         scene().map_err(|error| EngineError::from(error).into())

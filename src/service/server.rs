@@ -25,8 +25,10 @@ impl Call<'_> {
                     AdapterKind::Discrete => wire::AdapterKind::Discrete,
                     AdapterKind::Integrated => wire::AdapterKind::Integrated,
                     AdapterKind::Software => wire::AdapterKind::Software,
+                    AdapterKind::Cpu => wire::AdapterKind::Cpu,
                 },
                 driver: adapter.driver.clone(),
+                why: adapter.why.clone().unwrap_or_default(),
             },
             limits: limits
                 .map(|(name, value)| (name.to_owned(), value))

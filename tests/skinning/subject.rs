@@ -240,8 +240,10 @@ fn skinned_by_cpu(posed: &Posed, skinning: Skinning) -> Found {
     };
     let mesh = &posed.rig().meshes()[0];
     let palette = posed.palette(skinning);
-    cpu::skin_mesh(mesh, &palette, posed.morph_weights())
-        .map(|vertex| [vertex.position.to_array(), vertex.normal.to_array()])
+    let (positions, normals) = cpu::skin_mesh(mesh, &palette, posed.morph_weights());
+    let vertices = positions.into_iter().zip(normals);
+    vertices
+        .map(|(position, normal)| [position, normal])
         .collect()
 }
 

@@ -6,24 +6,48 @@
 pub mod oracle;
 pub mod pictures;
 pub mod server;
+pub mod suite;
 
-use rigd::engine::{Engine, RendererChoice};
+use rigd::engine::{Engine, EngineError, RendererChoice};
 use rigd::formats::Source;
 use rigd::limits::Limits;
 use rigd::protocol::{ErrorObject, Reply};
+use rigd::render::AdapterError;
 use rigd::service::Service;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// The adapter that tests draw with: Vulkan's software driver, so that every machine sees the same pictures, or `RIGD_TEST_ADAPTER`.
-pub fn renderer() -> RendererChoice {
-    let wanted = std::env::var("RIGD_TEST_ADAPTER").unwrap_or_else(|_| "llvmpipe".to_owned());
-    let Ok(adapter) = wanted.parse();
+/// What tests draw with: rigd's own renderer, so that every machine sees the same pictures, or `RIGD_TEST_ADAPTER`.
+pub fn adapter() -> String {
+    std::env::var("RIGD_TEST_ADAPTER").unwrap_or_else(|_| "cpu".to_owned())
+}
+
+fn renderer(adapter: &str) -> RendererChoice {
+    let Ok(adapter) = adapter.parse();
     RendererChoice {
         adapter,
-        require_gpu: false,
+        ..RendererChoice::default()
+    }
+}
+
+/// A service that draws with this adapter, the built-in figure loaded as `figure`; `None`, and a line in the log, where there is no such
+/// adapter.
+pub fn service_on(adapter: &str) -> Option<Arc<Service>> {
+    match Engine::open(renderer(adapter), Limits::default()) {
+        Ok(engine) => {
+            note(&format!("drawing with {}", engine.adapter()));
+            Some(with_figure(engine, Source::inline_only()))
+        }
+        Err(EngineError::Adapter(AdapterError::NoMatch { .. } | AdapterError::None)) => {
+            note(&format!(
+                "SKIPPED: there is no adapter `{adapter}`; `make setup` installs what is missing"
+            ));
+            None
+        }
+        // An adapter that is there and does not open is a fault.
+        Err(error) => panic!("{error}"),
     }
 }
 
@@ -35,10 +59,17 @@ pub fn note(line: &str) {
 
 /// A renderer of its own, named in the test's log.
 pub fn engine(limits: Limits) -> Engine {
-    let engine = Engine::open(renderer(), limits)
+    let engine = Engine::open(renderer(&adapter()), limits)
         .expect("a graphics adapter; `make setup` installs a software one");
     note(&format!("drawing with {}", engine.adapter()));
     engine
+}
+
+fn with_figure(engine: Engine, source: Source) -> Arc<Service> {
+    engine
+        .load(None, &rigd::cli::figure(), &Source::inline_only(), false)
+        .expect("the built-in figure loads");
+    Service::new(engine, source)
 }
 
 /// A service with the built-in figure loaded as `figure`.
@@ -47,11 +78,7 @@ pub fn service() -> Arc<Service> {
 }
 
 pub fn service_with(limits: Limits, source: Source) -> Arc<Service> {
-    let engine = engine(limits);
-    engine
-        .load(None, &rigd::cli::figure(), &Source::inline_only(), false)
-        .expect("the built-in figure loads");
-    Service::new(engine, source)
+    with_figure(engine(limits), source)
 }
 
 /// The first three channels of the course's `sample.anim` at moments before, between and after its keys, in seconds, by an

@@ -5,7 +5,7 @@ use super::oracle::Vector;
 use rigd::protocol::Reply;
 use rigd::service::Service;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// A request's result and the raw bytes that follow it.
@@ -83,7 +83,11 @@ impl Image {
         pairs.map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0)
     }
 
-    fn write(&self, path: &Path) {
+    pub fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
+    pub fn write(&self, path: &Path) {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).expect("a folder to write to");
         }
@@ -180,62 +184,54 @@ pub fn linear(byte: u8) -> f64 {
     }
 }
 
-/// How a picture may differ from the accepted one; kept beside the pictures.
-#[derive(Debug, Clone, Copy, serde::Deserialize)]
+/// How a picture may differ from another.
+#[derive(Debug, Clone, Copy)]
 pub struct Tolerance {
     /// Channels that differ by no more than this are the same.
     pub channel: u8,
-    /// Share of all pixels that may have other channels.
+    /// Share of all channels that may differ by more.
     pub share: f64,
-    /// What no channel of any pixel may exceed.
+    /// What no channel may exceed.
     pub most: u8,
 }
 
-/// Why a picture is not the accepted one.
+/// Why a picture is not the other.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mismatch {
-    Missing,
     Size {
         wanted: [usize; 2],
         found: [usize; 2],
     },
-    Pixels {
+    Channels {
         differing: usize,
         allowed: usize,
-        /// Column, row, accepted and found color of the worst pixel.
+        /// Column, row, wanted and found color of the worst pixel.
         worst: (usize, usize, [u8; 4], [u8; 4]),
     },
 }
 
-pub fn matches(
-    accepted: Option<&Image>,
-    found: &Image,
-    tolerance: Tolerance,
-) -> Result<(), Mismatch> {
-    let accepted = accepted.ok_or(Mismatch::Missing)?;
-    let (wanted, size) = (
-        [accepted.width, accepted.height],
-        [found.width, found.height],
-    );
-    if wanted != size {
+pub fn matches(wanted: &Image, found: &Image, tolerance: Tolerance) -> Result<(), Mismatch> {
+    if wanted.size() != found.size() {
         return Err(Mismatch::Size {
-            wanted,
-            found: size,
+            wanted: wanted.size(),
+            found: found.size(),
         });
     }
-    let off = |a: [u8; 4], b: [u8; 4]| (0..4).map(|i| a[i].abs_diff(b[i])).max().unwrap_or(0);
-    let mut worst = (0, 0, accepted.at(0, 0), found.at(0, 0));
+    let off = |a: [u8; 4], b: [u8; 4]| [0, 1, 2, 3].map(|i| a[i].abs_diff(b[i]));
+    let most = |a: [u8; 4], b: [u8; 4]| off(a, b).into_iter().max().unwrap_or(0);
+    let mut worst = (0, 0, wanted.at(0, 0), found.at(0, 0));
     let mut differing = 0;
     for (x, y, pixel) in found.iter() {
-        let wanted = accepted.at(x, y);
-        differing += usize::from(off(wanted, pixel) > tolerance.channel);
-        if off(wanted, pixel) > off(worst.2, worst.3) {
-            worst = (x, y, wanted, pixel);
+        let other = wanted.at(x, y);
+        let channels = off(other, pixel).into_iter();
+        differing += channels.filter(|off| *off > tolerance.channel).count();
+        if most(other, pixel) > most(worst.2, worst.3) {
+            worst = (x, y, other, pixel);
         }
     }
-    let allowed = (tolerance.share * found.pixels.len() as f64) as usize;
-    if differing > allowed || off(worst.2, worst.3) > tolerance.most {
-        return Err(Mismatch::Pixels {
+    let allowed = (tolerance.share * (4 * found.pixels.len()) as f64) as usize;
+    if differing > allowed || most(worst.2, worst.3) > tolerance.most {
+        return Err(Mismatch::Channels {
             differing,
             allowed,
             worst,
@@ -244,43 +240,8 @@ pub fn matches(
     Ok(())
 }
 
-/// Environment variable that has a golden picture written in place of compared.
-const ACCEPT: &str = "RIGD_ACCEPT_GOLDEN";
-
-fn golden_folder() -> PathBuf {
-    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden"))
-}
-
-pub fn tolerance() -> Tolerance {
-    let file = std::fs::read(golden_folder().join("tolerance.json")).expect("tolerance.json");
-    serde_json::from_slice(&file).expect("a tolerance")
-}
-
-/// Compares with `tests/golden/<name>.png`. Where they differ, both and their difference are written below `target`.
-pub fn check_golden(name: &str, found: &Image) -> Result<(), String> {
-    let path = golden_folder().join(format!("{name}.png"));
-    if std::env::var_os(ACCEPT).is_some_and(|value| value == "1") {
-        found.write(&path);
-        println!("accepted {}", path.display());
-        return Ok(());
-    }
-    let accepted = std::fs::read(&path).ok().map(|file| Image::from_png(&file));
-    let Err(mismatch) = matches(accepted.as_ref(), found, tolerance()) else {
-        return Ok(());
-    };
-    let written = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("golden");
-    found.write(&written.join(format!("{name}.actual.png")));
-    if let (Some(accepted), Mismatch::Pixels { .. }) = (&accepted, &mismatch) {
-        difference(accepted, found).write(&written.join(format!("{name}.difference.png")));
-    }
-    let folder = written.display();
-    Err(format!(
-        "{name}: {mismatch:?}; see {folder}; {ACCEPT}=1 accepts what was drawn"
-    ))
-}
-
 /// Four times as strong as it is, so that it can be seen.
-fn difference(a: &Image, b: &Image) -> Image {
+pub fn difference(a: &Image, b: &Image) -> Image {
     let channel = |a: u8, b: u8| a.abs_diff(b).saturating_mul(4);
     let pixel = |(a, b): (&[u8; 4], &[u8; 4])| {
         let alpha = channel(a[3], b[3]);

@@ -379,7 +379,7 @@ fn other_results_fit_their_schemas_and_wrong_ones_do_not() {
     );
     let info = json!({
         "name": "rigd", "version": "0.1.0", "protocol": 1, "limits": {"pixels": 16}, "formats": ["cse169.skel"], "uptime_s": 0.5,
-        "adapter": {"name": "CPU", "backend": "cpu", "type": "cpu", "driver": ""},
+        "adapter": {"name": "CPU", "backend": "cpu", "type": "cpu", "driver": "", "why": "no GPU was found"},
     });
     check::<ServerInfo>(
         Method::ServerInfo,

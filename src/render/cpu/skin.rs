@@ -1,124 +1,255 @@
-//! Stage 1 in f32, the twin of `shaders/skin*.wgsl`; the rules stand in [`Plan`](crate::render::Plan)'s module.
+//! Stage 1, skin: the twin of `shaders/skin*.wgsl`; the rules stand in [`Plan`](crate::render::Plan)'s module. Influences are blended
+//! one vertex after another, four numbers of a row at a time; what comes out is turned over to eight vertices at a time.
 
-use crate::pose::{Palette, SkinDualQuaternion, SkinMatrix};
+use super::lanes::{LANES, Vectors, transposed};
+use crate::pose::Palette;
 use crate::rig::{Influence, Mesh};
-use glam::{Vec3, Vec4};
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch, f32x4, f32x8};
+use glam::Vec4;
 
-/// A vertex in world space.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SkinnedVertex {
-    pub position: Vec3,
-    /// Unit length.
-    pub normal: Vec3,
+/// Positions and unit normals in world space, of every vertex of `mesh` in its own order. `palette` and `morph_weights` are of its rig.
+pub fn skin_mesh(
+    mesh: &Mesh,
+    palette: &Palette,
+    morph_weights: &[f32],
+) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
+    let mut positions = vec![[0.0; 3]; mesh.vertex_count()];
+    let mut normals = positions.clone();
+    let job = SkinJob {
+        mesh,
+        palette,
+        morph_weights,
+    };
+    job.run(Level::new(), 0, &mut positions, &mut normals);
+    (positions, normals)
 }
 
-/// Every vertex of `mesh`, in its own order. `palette` and `morph_weights` are of the mesh's rig.
-pub fn skin_mesh<'a>(
-    mesh: &'a Mesh,
-    palette: &'a Palette,
-    morph_weights: &'a [f32],
-) -> impl Iterator<Item = SkinnedVertex> + 'a {
-    (0..mesh.vertex_count()).map(move |vertex| {
-        let bound = morphed(mesh, vertex, morph_weights);
-        let influences = mesh.influences_of(vertex);
-        match palette {
-            Palette::Linear(matrices) => linear(bound, influences, matrices),
-            Palette::DualQuaternion(entries) => dual_quaternion(bound, influences, entries),
+/// What the vertices of one mesh follow.
+#[derive(Clone, Copy)]
+pub(super) struct SkinJob<'a> {
+    pub mesh: &'a Mesh,
+    pub palette: &'a Palette,
+    pub morph_weights: &'a [f32],
+}
+
+impl SkinJob<'_> {
+    /// As many vertices as there is room for, from the `first` on.
+    pub fn run(
+        &self,
+        level: Level,
+        first: usize,
+        positions: &mut [[f32; 3]],
+        normals: &mut [[f32; 3]],
+    ) {
+        dispatch!(level, simd => self.skin(simd, first, positions, normals));
+    }
+
+    #[inline(always)]
+    fn skin<S: Simd>(
+        &self,
+        simd: S,
+        first: usize,
+        positions: &mut [[f32; 3]],
+        normals: &mut [[f32; 3]],
+    ) {
+        let end = first + positions.len();
+        let groups = positions.chunks_mut(LANES).zip(normals.chunks_mut(LANES));
+        for (first, (positions, normals)) in (first..end).step_by(LANES).zip(groups) {
+            // Of a last group that is not full, lanes repeat its last vertex.
+            let vertices = std::array::from_fn(|lane| (first + lane).min(end - 1));
+            let bound = self.morphed(simd, vertices);
+            let skinned = match self.palette {
+                Palette::Linear(_) => linear(bound, self.blended::<S, 3>(simd, vertices)),
+                Palette::DualQuaternion(_) => {
+                    dual_quaternion(bound, self.blended_motions(simd, vertices))
+                }
+            };
+            skinned.position.store(positions);
+            skinned.normal.store(normals);
         }
-    })
+    }
+
+    /// In bind space, normals of unit length.
+    #[inline(always)]
+    fn morphed<S: Simd>(&self, simd: S, vertices: [usize; LANES]) -> Vertices<S> {
+        let mesh = self.mesh;
+        let modelled = vertices.map(|vertex| mesh.normals()[vertex].to_array());
+        let mut positions = vertices.map(|vertex| mesh.positions()[vertex].to_array());
+        if mesh.morph_displacements().is_empty() {
+            return Vertices {
+                position: Vectors::load(simd, &positions),
+                normal: Vectors::load(simd, &modelled),
+            };
+        }
+        let mut normals = modelled;
+        for lane in 0..LANES {
+            for moved in mesh.morph_displacements_of(vertices[lane]) {
+                let weight = self.morph_weights[moved.morph as usize];
+                for axis in 0..3 {
+                    positions[lane][axis] += moved.position[axis] * weight;
+                    normals[lane][axis] += moved.normal[axis] * weight;
+                }
+            }
+        }
+        let modelled = Vectors::load(simd, &modelled);
+        Vertices {
+            position: Vectors::load(simd, &positions),
+            normal: Vectors::load(simd, &normals).unit_or(modelled),
+        }
+    }
+
+    /// The mean of the palette's entries that each vertex follows, by weight: `ROWS` rows of four columns of eight.
+    #[inline(always)]
+    fn blended<S: Simd, const ROWS: usize>(
+        &self,
+        simd: S,
+        vertices: [usize; LANES],
+    ) -> [[f32x8<S>; 4]; ROWS] {
+        let rows = self.palette.rows();
+        let mut of_lanes = [[f32x4::splat(simd, 0.0); LANES]; ROWS];
+        for (lane, vertex) in vertices.into_iter().enumerate() {
+            let mut sums = [f32x4::splat(simd, 0.0); ROWS];
+            for influence in self.mesh.influences_of(vertex) {
+                let entry = entry::<ROWS>(rows, influence);
+                for (sum, row) in sums.iter_mut().zip(entry) {
+                    *sum += f32x4::load_array(simd, row.to_array()) * influence.weight;
+                }
+            }
+            for (of_lanes, sum) in of_lanes.iter_mut().zip(sums) {
+                of_lanes[lane] = sum;
+            }
+        }
+        let mut blended = [[f32x8::splat(simd, 0.0); 4]; ROWS];
+        for row in 0..ROWS {
+            blended[row] = transposed(of_lanes[row]);
+        }
+        blended
+    }
+
+    /// The same for dual quaternions, whose signs follow the first influence, the heaviest.
+    #[inline(always)]
+    fn blended_motions<S: Simd>(&self, simd: S, vertices: [usize; LANES]) -> [[f32x8<S>; 4]; 5] {
+        let rows = self.palette.rows();
+        let mut of_lanes = [[f32x4::splat(simd, 0.0); LANES]; 5];
+        for (lane, vertex) in vertices.into_iter().enumerate() {
+            let influences = self.mesh.influences_of(vertex);
+            let mut sums = [f32x4::splat(simd, 0.0); 5];
+            let pivot = influences
+                .first()
+                .map(|heaviest| entry::<5>(rows, heaviest)[0]);
+            for influence in influences {
+                let entry = entry::<5>(rows, influence);
+                let weight = influence.weight;
+                // Either sign is the same rotation; of the two ways to the heaviest one's the shorter is meant.
+                let is_opposite = pivot.is_some_and(|pivot| pivot.dot(entry[0]) < 0.0);
+                let signed = if is_opposite { -weight } else { weight };
+                for (row, sum) in sums.iter_mut().enumerate() {
+                    let weight = if row < 2 { signed } else { weight };
+                    *sum += f32x4::load_array(simd, entry[row].to_array()) * weight;
+                }
+            }
+            for (of_lanes, sum) in of_lanes.iter_mut().zip(sums) {
+                of_lanes[lane] = sum;
+            }
+        }
+        let mut blended = [[f32x8::splat(simd, 0.0); 4]; 5];
+        for row in 0..5 {
+            blended[row] = transposed(of_lanes[row]);
+        }
+        blended
+    }
 }
 
-/// In bind space, the normal brought back to unit length.
-fn morphed(mesh: &Mesh, vertex: usize, weights: &[f32]) -> SkinnedVertex {
-    let (position, normal) = (mesh.positions()[vertex], mesh.normals()[vertex]);
-    let displacements = mesh.morph_displacements_of(vertex);
-    if displacements.is_empty() {
-        return SkinnedVertex { position, normal };
-    }
-    let sums = (position, normal);
-    let (position, turned) = displacements
-        .iter()
-        .fold(sums, |(position, turned), moved| {
-            let weight = weights[moved.morph as usize];
-            (
-                position + moved.position * weight,
-                turned + moved.normal * weight,
-            )
-        });
-    SkinnedVertex {
-        position,
-        normal: turned.normalize_or(normal),
+/// The rows of the palette that an influence points at.
+#[inline(always)]
+fn entry<'a, const ROWS: usize>(rows: &'a [Vec4], influence: &Influence) -> &'a [Vec4; ROWS] {
+    &rows.as_chunks::<ROWS>().0[influence.binding as usize]
+}
+
+/// Eight vertices.
+#[derive(Clone, Copy)]
+struct Vertices<S: Simd> {
+    position: Vectors<S>,
+    normal: Vectors<S>,
+}
+
+/// `rows` are those of the blended `model_from_bind`.
+#[inline(always)]
+fn linear<S: Simd>(bound: Vertices<S>, rows: [[f32x8<S>; 4]; 3]) -> Vertices<S> {
+    let [x, y, z] = rows;
+    Vertices {
+        position: Vectors {
+            x: first_three(x).dot(bound.position) + x[3],
+            y: first_three(y).dot(bound.position) + y[3],
+            z: first_three(z).dot(bound.position) + z[3],
+        },
+        normal: cofactor_transform(rows, bound.normal).unit_or(bound.normal),
     }
 }
 
-fn linear(bound: SkinnedVertex, influences: &[Influence], palette: &[SkinMatrix]) -> SkinnedVertex {
-    let rows = influences.iter().fold([Vec4::ZERO; 3], |sums, influence| {
-        let SkinMatrix { rows } = palette[influence.binding as usize];
-        blended(sums, rows, influence.weight)
-    });
-    let position = bound.position.extend(1.0);
-    SkinnedVertex {
-        position: rows.map(|row| row.dot(position)).into(),
-        normal: cofactor_transform(rows, bound.normal).normalize_or(bound.normal),
+/// The motion's real and dual part, then the rows of the stretch before it.
+#[inline(always)]
+fn dual_quaternion<S: Simd>(bound: Vertices<S>, blended: [[f32x8<S>; 4]; 5]) -> Vertices<S> {
+    let [real, dual, x, y, z] = blended;
+    let length =
+        (real[0] * real[0] + real[1] * real[1] + real[2] * real[2] + real[3] * real[3]).sqrt();
+    let shrink = 1.0 / length;
+    let (axis, moved) = (
+        first_three(real).times(shrink),
+        first_three(dual).times(shrink),
+    );
+    let (real_w, dual_w) = (real[3] * shrink, dual[3] * shrink);
+    let translation = moved
+        .times(real_w)
+        .minus(axis.times(dual_w))
+        .plus(axis.cross(moved));
+    let stretched = Vectors {
+        x: first_three(x).dot(bound.position),
+        y: first_three(y).dot(bound.position),
+        z: first_three(z).dot(bound.position),
+    };
+    let normal = cofactor_transform([x, y, z], bound.normal).unit_or(bound.normal);
+    Vertices {
+        position: turned(axis, real_w, stretched).plus(translation.plus(translation)),
+        normal: turned(axis, real_w, normal).unit_or(bound.normal),
     }
 }
 
-fn dual_quaternion(
-    bound: SkinnedVertex,
-    influences: &[Influence],
-    palette: &[SkinDualQuaternion],
-) -> SkinnedVertex {
-    let of = |influence: &Influence| palette[influence.binding as usize];
-    let pivot = influences
-        .first()
-        .map_or(Vec4::W, |heaviest| of(heaviest).real);
-    let (mut real, mut dual, mut stretch) = (Vec4::ZERO, Vec4::ZERO, [Vec4::ZERO; 3]);
-    for influence in influences {
-        let entry = of(influence);
-        let weight = influence.weight;
-        // Either sign is the same rotation; of the two ways to the heaviest one's the shorter is meant.
-        let signed = if pivot.dot(entry.real) < 0.0 {
-            -weight
-        } else {
-            weight
-        };
-        real += entry.real * signed;
-        dual += entry.dual * signed;
-        stretch = blended(stretch, entry.stretch, weight);
-    }
-    let length = real.length();
-    let (real, dual) = (real / length, dual / length);
-    let (axis, moved) = (real.truncate(), dual.truncate());
-    let turned = |v: Vec3| v + 2.0 * axis.cross(axis.cross(v) + real.w * v);
-    let translation = 2.0 * (real.w * moved - dual.w * axis + axis.cross(moved));
-    let stretched = stretch.map(|row| row.truncate().dot(bound.position));
-    let normal = cofactor_transform(stretch, bound.normal).normalize_or(bound.normal);
-    SkinnedVertex {
-        position: turned(stretched.into()) + translation,
-        normal: turned(normal).normalize_or(bound.normal),
-    }
+/// By a unit quaternion.
+#[inline(always)]
+fn turned<S: Simd>(axis: Vectors<S>, w: f32x8<S>, v: Vectors<S>) -> Vectors<S> {
+    let half = axis.cross(axis.cross(v).plus(v.times(w)));
+    v.plus(half.plus(half))
 }
 
-fn blended(sums: [Vec4; 3], rows: [Vec4; 3], weight: f32) -> [Vec4; 3] {
-    [0, 1, 2].map(|i| sums[i] + rows[i] * weight)
+#[inline(always)]
+fn first_three<S: Simd>([x, y, z, _]: [f32x8<S>; 4]) -> Vectors<S> {
+    Vectors { x, y, z }
 }
 
 /// By the matrix whose columns are the cross products of those of the one with these rows.
-fn cofactor_transform([x, y, z]: [Vec4; 3], normal: Vec3) -> Vec3 {
-    let [a, b, c] = [0, 1, 2].map(|i| Vec3::new(x[i], y[i], z[i]));
-    b.cross(c) * normal.x + c.cross(a) * normal.y + a.cross(b) * normal.z
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn normals_stay_perpendicular_under_non_uniform_scale() {
-        let rows = [Vec4::X * 3.0, Vec4::Y * 0.5, Vec4::Z];
-        // A plane with normal (1, 1, 0) holds the tangent (1, -1, 0), which the matrix takes to (3, -0.5, 0).
-        let normal = cofactor_transform(rows, Vec3::new(1.0, 1.0, 0.0));
-        assert!(normal.dot(Vec3::new(3.0, -0.5, 0.0)).abs() < 1e-6);
-        assert!(normal.dot(Vec3::new(1.0, 1.0, 0.0)) > 0.0);
-    }
+#[inline(always)]
+fn cofactor_transform<S: Simd>([x, y, z]: [[f32x8<S>; 4]; 3], normal: Vectors<S>) -> Vectors<S> {
+    let [a, b, c] = [
+        Vectors {
+            x: x[0],
+            y: y[0],
+            z: z[0],
+        },
+        Vectors {
+            x: x[1],
+            y: y[1],
+            z: z[1],
+        },
+        Vectors {
+            x: x[2],
+            y: y[2],
+            z: z[2],
+        },
+    ];
+    let (of_x, of_y, of_z) = (b.cross(c), c.cross(a), a.cross(b));
+    of_x.times(normal.x)
+        .plus(of_y.times(normal.y))
+        .plus(of_z.times(normal.z))
 }

@@ -1,110 +1,7 @@
-//! Which graphics adapter to use, and what there is to choose from.
+//! Which of the machine's graphics adapters to use.
 
+use crate::render::{AdapterChoice, AdapterError, AdapterInfo, AdapterKind, Backend};
 use pollster::block_on;
-use std::fmt;
-use std::str::FromStr;
-
-/// What `--adapter` asks for.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub enum AdapterChoice {
-    /// A real GPU, else Vulkan's software driver, else GL.
-    #[default]
-    Auto,
-    /// The best adapter of one graphics interface.
-    Backend(Backend),
-    /// The first whose name contains this, whatever the case of its letters.
-    Named(String),
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Backend {
-    Vulkan,
-    Gl,
-    Metal,
-    Dx12,
-}
-
-impl FromStr for AdapterChoice {
-    type Err = std::convert::Infallible;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        Ok(match text.to_ascii_lowercase().as_str() {
-            "auto" => Self::Auto,
-            "vulkan" => Self::Backend(Backend::Vulkan),
-            "gl" => Self::Backend(Backend::Gl),
-            "metal" => Self::Backend(Backend::Metal),
-            "dx12" => Self::Backend(Backend::Dx12),
-            _ => Self::Named(text.to_owned()),
-        })
-    }
-}
-
-/// What an adapter says of itself.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct AdapterInfo {
-    pub name: String,
-    /// `vulkan`, `gl`, `metal` or `dx12`.
-    pub backend: &'static str,
-    pub kind: AdapterKind,
-    /// Name and version as the driver gives them.
-    pub driver: String,
-}
-
-/// How fast to expect it to be, best first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum AdapterKind {
-    Discrete,
-    Integrated,
-    /// A driver that draws on the CPU.
-    Software,
-}
-
-impl AdapterKind {
-    /// As the wire spells it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Discrete => "discrete",
-            Self::Integrated => "integrated",
-            Self::Software => "software",
-        }
-    }
-}
-
-impl fmt::Display for AdapterInfo {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            name,
-            backend,
-            kind,
-            driver,
-        } = self;
-        write!(f, "{name} ({}, {backend}, {driver})", kind.name())
-    }
-}
-
-/// Why there is no adapter to work with.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum AdapterError {
-    #[error(
-        "no graphics adapter was found; on Debian or Ubuntu `apt-get install mesa-vulkan-drivers` brings a software one \
-         (`rigd doctor` tells more)"
-    )]
-    None,
-    #[error("no adapter matches `{asked}`; there are: {}", list(.found))]
-    NoMatch {
-        asked: String,
-        found: Vec<AdapterInfo>,
-    },
-    #[error("a real GPU is required, but there are only: {}", list(.found))]
-    OnlySoftware { found: Vec<AdapterInfo> },
-    #[error("the adapter {adapter} gives no device: {reason}")]
-    NoDevice { adapter: String, reason: String },
-}
-
-fn list(found: &[AdapterInfo]) -> String {
-    let names: Vec<_> = found.iter().map(ToString::to_string).collect();
-    names.join("; ")
-}
 
 /// Every adapter of this machine, best first.
 pub fn adapters() -> Vec<AdapterInfo> {
@@ -117,17 +14,16 @@ pub(super) fn choose(
     choice: &AdapterChoice,
     require_gpu: bool,
 ) -> Result<wgpu::Adapter, AdapterError> {
-    let is_asked_for = |info: &AdapterInfo| match choice {
-        AdapterChoice::Auto => true,
-        AdapterChoice::Backend(backend) => info.backend == backend.name(),
-        AdapterChoice::Named(name) => info.name.to_lowercase().contains(&name.to_lowercase()),
-    };
-    let is_allowed = |info: &AdapterInfo| !require_gpu || info.kind != AdapterKind::Software;
+    // By itself only a real GPU is taken: software drivers are for who asks for them.
+    let needs_gpu = require_gpu || *choice == AdapterChoice::Auto;
+    let is_allowed = |info: &AdapterInfo| !needs_gpu || info.kind != AdapterKind::Software;
     let mut seen = Vec::new();
-    for backends in [NATIVE, LAST] {
-        for adapter in found(backends) {
+    // Who leaves the choice to us is not to wait for GL's libraries.
+    let looks_everywhere = require_gpu || *choice != AdapterChoice::Auto;
+    for backends in [Some(NATIVE), looks_everywhere.then_some(LAST)] {
+        for adapter in backends.into_iter().flat_map(found) {
             let info = info(&adapter.get_info());
-            if is_asked_for(&info) && is_allowed(&info) {
+            if choice.takes(&info) && is_allowed(&info) {
                 return Ok(adapter);
             }
             seen.push(info);
@@ -135,7 +31,7 @@ pub(super) fn choose(
     }
     Err(if seen.is_empty() {
         AdapterError::None
-    } else if seen.iter().any(is_asked_for) {
+    } else if seen.iter().any(|info| choice.takes(info)) {
         AdapterError::OnlySoftware { found: seen }
     } else {
         AdapterError::NoMatch {
@@ -143,27 +39,6 @@ pub(super) fn choose(
             found: seen,
         }
     })
-}
-
-impl Backend {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Vulkan => "vulkan",
-            Self::Gl => "gl",
-            Self::Metal => "metal",
-            Self::Dx12 => "dx12",
-        }
-    }
-}
-
-impl fmt::Display for AdapterChoice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Auto => "auto",
-            Self::Backend(backend) => backend.name(),
-            Self::Named(name) => name,
-        })
-    }
 }
 
 /// Best first.
@@ -193,6 +68,7 @@ pub(super) fn info(info: &wgpu::AdapterInfo) -> AdapterInfo {
         driver: format!("{} {}", info.driver, info.driver_info)
             .trim()
             .to_owned(),
+        why: None,
     }
 }
 

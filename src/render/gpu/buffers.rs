@@ -27,9 +27,7 @@ impl Growing {
     pub fn reserve(&mut self, device: &Device, bytes: u64) -> bool {
         let grows = bytes > self.buffer.size();
         if grows {
-            let roomy = bytes
-                .next_power_of_two()
-                .min(device.capabilities.buffer_bytes);
+            let roomy = bytes.next_power_of_two().min(device.buffer_bytes);
             self.buffer = create(device, self.label, self.usage, roomy.max(bytes));
         }
         grows

@@ -1,80 +1,10 @@
 //! The device and what can go wrong with it: its limits, its loss, its refusals.
 
-use super::adapter::{self, AdapterChoice, AdapterError, AdapterInfo};
-use crate::limits::LimitExceeded;
-use crate::pose::SkinDualQuaternion;
-use crate::render::RenderError;
-use crate::rig::Rig;
-use crate::scene::Size;
+use super::adapter;
+use crate::render::{AdapterChoice, AdapterError, AdapterInfo, Capabilities, RenderError};
 use pollster::block_on;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-
-/// What an adapter can do at most, known without the device.
-#[derive(Debug, Clone, Copy)]
-pub struct Capabilities {
-    side: u64,
-    pub(super) buffer_bytes: u64,
-}
-
-impl Capabilities {
-    fn of(limits: &wgpu::Limits) -> Self {
-        Self {
-            side: u64::from(limits.max_texture_dimension_2d),
-            buffer_bytes: limits
-                .max_buffer_size
-                .min(limits.max_storage_buffer_binding_size),
-        }
-    }
-
-    /// Name and value of each, as errors name them.
-    pub fn entries(&self) -> [(&'static str, u64); 2] {
-        [(SIDE, self.side), (BUFFER_BYTES, self.buffer_bytes)]
-    }
-
-    /// # Errors
-    /// Where a picture of this size is larger than the adapter draws.
-    pub fn accept_size(&self, size: Size) -> Result<(), LimitExceeded> {
-        hold(SIDE, self.side, size.width.max(size.height).into())?;
-        hold(BUFFER_BYTES, self.buffer_bytes, 4 * size.pixels() as u64)
-    }
-
-    /// # Errors
-    /// Where a buffer or a texture of this rig is larger than the adapter takes.
-    pub fn accept_rig(&self, rig: &Rig) -> Result<(), LimitExceeded> {
-        let of_meshes = rig.meshes().iter().flat_map(|mesh| {
-            [
-                size_of_val(mesh.influences()),
-                size_of_val(mesh.morph_displacements()),
-                size_of_val(mesh.draw_triangles()),
-            ]
-        });
-        // The skinned vertices of all meshes stand in one buffer, six floats each.
-        let skinned = rig.vertex_count() * 24;
-        let palette = rig.bindings().len() * size_of::<SkinDualQuaternion>();
-        let largest = of_meshes.chain([skinned, palette]).max().unwrap_or(0);
-        hold(BUFFER_BYTES, self.buffer_bytes, largest as u64)?;
-        let textures = rig.materials().iter().flat_map(|m| &m.texture);
-        let sides =
-            textures.map(|texture| texture.levels()[0].width.max(texture.levels()[0].height));
-        hold(SIDE, self.side, sides.max().unwrap_or(0).into())
-    }
-}
-
-const SIDE: &str = "adapter_side";
-const BUFFER_BYTES: &str = "adapter_buffer_bytes";
-
-fn hold(limit: &'static str, maximum: u64, asked: u64) -> Result<(), LimitExceeded> {
-    if asked > maximum {
-        Err(LimitExceeded {
-            limit,
-            maximum,
-            asked,
-        })
-    } else {
-        Ok(())
-    }
-}
 
 /// A device that never panics the thread: what it complains of is kept until [`Device::check`].
 pub(super) struct Device {
@@ -82,6 +12,8 @@ pub(super) struct Device {
     pub queue: wgpu::Queue,
     pub info: AdapterInfo,
     pub capabilities: Capabilities,
+    /// Of one buffer at the most.
+    pub buffer_bytes: u64,
     faults: Arc<Mutex<Faults>>,
 }
 
@@ -127,12 +59,20 @@ impl Device {
                 .lost
                 .get_or_insert(format!("{reason:?} {message}"));
         });
-        let capabilities = Capabilities::of(&device.limits());
+        let limits = device.limits();
+        let buffer_bytes = limits
+            .max_buffer_size
+            .min(limits.max_storage_buffer_binding_size);
+        let capabilities = Capabilities {
+            side: u64::from(limits.max_texture_dimension_2d),
+            buffer_bytes: Some(buffer_bytes),
+        };
         Ok(Self {
             device,
             queue,
             info,
             capabilities,
+            buffer_bytes,
             faults,
         })
     }

@@ -1,38 +1,7 @@
-//! What the shaders read, byte for byte: `repr(C)` mirrors of the structs in `shaders/*.wgsl`.
+//! What the shaders read, byte for byte: `repr(C)` mirrors of the structs in `shaders/*.wgsl`, beside the
+//! [`View`](crate::render::view::View) that both renderers read.
 
-use crate::render::Picture;
-use crate::scene::{Color, Falloff, Light, ShowNormals, Surface};
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat4, Vec2, Vec3, Vec4};
-
-/// The length of `View::lights` in the shaders.
-const LIGHTS: usize = 16;
-
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-pub(super) struct View {
-    clip_from_world: Mat4,
-    eye_in_world: Vec4,
-    size_pixels: Vec2,
-    light_count: u32,
-    flat_normals: u32,
-    ambient: Vec3,
-    shininess: f32,
-    diffuse: Vec3,
-    opacity: f32,
-    specular: Vec3,
-    least_distance_squared: f32,
-    textured_diffuse: Vec3,
-    _padding: f32,
-    lights: [ShaderLight; LIGHTS],
-}
-
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct ShaderLight {
-    toward_or_position: Vec4,
-    radiance: Vec4,
-}
 
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
@@ -52,64 +21,13 @@ pub(super) struct ResolveJob {
     pub layers: u32,
 }
 
-impl View {
-    pub(super) fn of(picture: &Picture) -> Self {
-        let scene = &picture.scene;
-        let mut lights = [ShaderLight::zeroed(); LIGHTS];
-        for (slot, light) in lights.iter_mut().zip(&scene.lights) {
-            *slot = ShaderLight::of(light);
-        }
-        Self {
-            clip_from_world: scene.camera.clip_from_world().as_mat4(),
-            eye_in_world: scene.camera.eye().as_vec4(),
-            size_pixels: Vec2::new(scene.size.width as f32, scene.size.height as f32),
-            light_count: scene.lights.len().min(LIGHTS) as u32,
-            flat_normals: u32::from(scene.show.normals == ShowNormals::Flat),
-            ambient: scene.ambient.rgb(),
-            shininess: scene.surface.shininess,
-            diffuse: scene.surface.diffuse.unwrap_or(Surface::DIFFUSE).rgb(),
-            opacity: scene.show.skin_opacity(),
-            specular: scene.surface.specular.rgb(),
-            least_distance_squared: picture.least_distance_squared(),
-            // A texture has the color already.
-            textured_diffuse: scene.surface.diffuse.unwrap_or(Color::WHITE).rgb(),
-            _padding: 0.0,
-            lights,
-        }
-    }
-}
-
-impl ShaderLight {
-    fn of(light: &Light) -> Self {
-        match *light {
-            Light::Directional {
-                direction,
-                radiance,
-            } => Self {
-                toward_or_position: (-direction).extend(0.0),
-                radiance: radiance.extend(0.0),
-            },
-            Light::Point {
-                position,
-                radiance,
-                falloff,
-            } => Self {
-                toward_or_position: position.extend(1.0),
-                radiance: radiance.extend(match falloff {
-                    Falloff::None => 0.0,
-                    Falloff::InverseSquare => 1.0,
-                }),
-            },
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::limits::Limits;
     use crate::pose::{SkinDualQuaternion, SkinMatrix};
     use crate::render::gpu::shaders;
+    use crate::render::view::{LIGHTS, ShaderLight, View};
     use crate::rig::{Influence, MorphDisplacement};
     use glam::Vec4;
     use std::mem::offset_of;

@@ -14,10 +14,10 @@ mod targets;
 mod textures;
 mod upload;
 
-pub use adapter::{AdapterChoice, AdapterError, AdapterInfo, AdapterKind, Backend, adapters};
-pub use device::Capabilities;
+pub use adapter::adapters;
 pub use readback::InFlight;
 
+use super::{AdapterChoice, AdapterError, AdapterInfo, Capabilities};
 use super::{Outputs, Plan, RenderError, Wanted};
 use buffers::Readbacks;
 use device::Device;
@@ -144,6 +144,7 @@ impl Gpu {
         let targets = self.targets.get(device, &self.resolve.layout, shape);
         let drawn = Drawn {
             skinned: &skinned,
+            instances: &plan.instances,
             rigs: &rigs,
             vertices,
         };

@@ -2,14 +2,15 @@
 
 use super::buffers::Growing;
 use super::device::Device;
-use super::layout::View;
 use super::shaders;
 use super::skin::SkinnedMesh;
 use super::solids::SolidBuffers;
 use super::targets::{COLOR_FORMAT, ColorTarget, DEPTH_FORMAT, Layers, Targets};
 use super::textures::TextureBinding;
 use super::upload::GpuRig;
-use crate::render::{Picture, Segment, SolidVertex};
+use crate::render::cull::{self, Side};
+use crate::render::view::View;
+use crate::render::{Instance, Picture, Segment, SolidVertex};
 use crate::scene::Samples;
 use glam::Vec4;
 use std::collections::HashMap;
@@ -22,6 +23,14 @@ enum Kind {
     Solids,
     Skin,
     TexturedSkin,
+}
+
+/// What tells one pipeline from another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+struct Variant {
+    kind: Kind,
+    samples: Samples,
+    culled: Option<Side>,
 }
 
 /// A translucent skin gets a layer of its own, so that only its nearest surface is laid over what stands behind it.
@@ -43,7 +52,7 @@ pub(super) struct ShadeStage {
     skin_module: wgpu::ShaderModule,
     line_module: wgpu::ShaderModule,
     solid_module: wgpu::ShaderModule,
-    pipelines: HashMap<(Kind, Samples), wgpu::RenderPipeline>,
+    pipelines: HashMap<Variant, wgpu::RenderPipeline>,
     view: wgpu::Buffer,
     view_group: wgpu::BindGroup,
     /// Each segment once for each of its six corners: a software driver takes instances one at a time.
@@ -53,9 +62,10 @@ pub(super) struct ShadeStage {
     solids: SolidBuffers,
 }
 
-/// Skinned meshes, and the rigs of the instances that they are of.
+/// Skinned meshes, and the instances that they are of.
 pub(super) struct Drawn<'a> {
     pub skinned: &'a [SkinnedMesh],
+    pub instances: &'a [Instance],
     pub rigs: &'a [&'a GpuRig],
     pub vertices: &'a wgpu::Buffer,
 }
@@ -155,37 +165,48 @@ impl ShadeStage {
         device
             .queue
             .write_buffer(&self.view, 0, bytemuck::bytes_of(&View::of(picture)));
-        let meshes = || drawn.rigs.iter().flat_map(|rig| &rig.meshes);
-        let kinds = [
+        let of_skeleton = [
             (Kind::Lines, !lines.is_empty()),
             (Kind::Solids, !picture.skeleton.solids.is_empty()),
-            (
-                Kind::Skin,
-                picture.skin_is_shown && meshes().any(|mesh| mesh.texturing.is_none()),
-            ),
-            (
-                Kind::TexturedSkin,
-                picture.skin_is_shown && meshes().any(|mesh| mesh.texturing.is_some()),
-            ),
         ];
-        for (kind, _) in kinds.into_iter().filter(|(_, is_drawn)| *is_drawn) {
-            if !self.pipelines.contains_key(&(kind, samples)) {
-                let pipeline = self.pipeline(device, kind, samples);
-                self.pipelines.insert((kind, samples), pipeline);
+        let of_skeleton = of_skeleton.into_iter().filter(|(_, is_drawn)| *is_drawn);
+        let mut variants: Vec<_> = of_skeleton
+            .map(|(kind, _)| Variant {
+                kind,
+                samples,
+                culled: None,
+            })
+            .collect();
+        if picture.skin_is_shown {
+            let skinned = drawn.skinned.iter();
+            variants.extend(skinned.map(|place| drawn.variant(place, picture)));
+        }
+        for variant in variants {
+            if !self.pipelines.contains_key(&variant) {
+                let pipeline = self.pipeline(device, variant);
+                self.pipelines.insert(variant, pipeline);
             }
         }
     }
 
     fn draw_skeleton(&self, pass: &mut wgpu::RenderPass<'_>, picture: &Picture) {
         let (lines, solids) = (&picture.skeleton.lines, &picture.skeleton.solids);
+        let pipeline = |kind| {
+            let samples = picture.scene.samples;
+            &self.pipelines[&Variant {
+                kind,
+                samples,
+                culled: None,
+            }]
+        };
         pass.set_bind_group(0, &self.view_group, &[]);
         if !lines.is_empty() {
-            pass.set_pipeline(&self.pipelines[&(Kind::Lines, picture.scene.samples)]);
+            pass.set_pipeline(pipeline(Kind::Lines));
             pass.set_vertex_buffer(0, self.lines.buffer().slice(..));
             pass.draw(0..LINE_CORNERS * lines.len() as u32, 0..1);
         }
         if !solids.is_empty() {
-            pass.set_pipeline(&self.pipelines[&(Kind::Solids, picture.scene.samples)]);
+            pass.set_pipeline(pipeline(Kind::Solids));
             self.solids.draw(pass, solids);
         }
     }
@@ -201,13 +222,11 @@ impl ShadeStage {
             if mesh.index_count == 0 {
                 continue;
             }
-            let mut kind = Kind::Skin;
             if let Some(texturing) = &mesh.texturing {
-                kind = Kind::TexturedSkin;
                 pass.set_bind_group(1, &texturing.bind_group, &[]);
                 pass.set_vertex_buffer(2, texturing.texcoords.slice(..));
             }
-            pass.set_pipeline(&self.pipelines[&(kind, picture.scene.samples)]);
+            pass.set_pipeline(&self.pipelines[&drawn.variant(place, picture)]);
             pass.set_vertex_buffer(0, vertices.slice(place.positions_start..));
             pass.set_vertex_buffer(1, vertices.slice(place.normals_start..));
             pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
@@ -215,7 +234,12 @@ impl ShadeStage {
         }
     }
 
-    fn pipeline(&self, device: &Device, kind: Kind, samples: Samples) -> wgpu::RenderPipeline {
+    fn pipeline(&self, device: &Device, variant: Variant) -> wgpu::RenderPipeline {
+        let Variant {
+            kind,
+            samples,
+            culled,
+        } = variant;
         let positions = wgpu::vertex_attr_array![0 => Float32x3];
         let normals = wgpu::vertex_attr_array![1 => Float32x3];
         let texcoords = wgpu::vertex_attr_array![2 => Float32x2];
@@ -271,9 +295,12 @@ impl ShadeStage {
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
                     buffers: &buffers,
                 },
-                // Winding decides which side is seen, never whether it is seen: sample files disagree about it.
+                // Winding decides which side is seen, and only of closed surfaces whether it is: sample files disagree about it.
                 primitive: wgpu::PrimitiveState {
-                    cull_mode: None,
+                    cull_mode: culled.map(|side| match side {
+                        Side::Front => wgpu::Face::Front,
+                        Side::Back => wgpu::Face::Back,
+                    }),
                     ..wgpu::PrimitiveState::default()
                 },
                 depth_stencil: Some(wgpu::DepthStencilState {
@@ -296,6 +323,23 @@ impl ShadeStage {
                 multiview_mask: None,
                 cache: None,
             })
+    }
+}
+
+impl Drawn<'_> {
+    /// What one mesh of the skin is drawn with.
+    fn variant(&self, place: &SkinnedMesh, picture: &Picture) -> Variant {
+        let instance = &self.instances[place.instance];
+        let mesh = &instance.rig().meshes()[place.mesh];
+        let uploaded = &self.rigs[place.instance].meshes[place.uploaded];
+        Variant {
+            kind: match uploaded.texturing {
+                Some(_) => Kind::TexturedSkin,
+                None => Kind::Skin,
+            },
+            samples: picture.scene.samples,
+            culled: cull::unseen(instance, mesh, &picture.scene, cull::reach(instance, mesh)),
+        }
     }
 }
 

@@ -37,7 +37,8 @@ impl TextureBinding {
             address_mode_v: wgpu::AddressMode::Repeat,
             mag_filter: FilterMode::Linear,
             min_filter: FilterMode::Linear,
-            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            // The shader names whole levels.
+            mipmap_filter: wgpu::MipmapFilterMode::Nearest,
             ..wgpu::SamplerDescriptor::default()
         });
         Self { layout, sampler }

@@ -33,6 +33,7 @@ impl MeshBuild<'_> {
             .collect();
         Ok(Mesh {
             name,
+            has_negative_weights: influences.iter().any(|influence| influence.weight < 0.0),
             positions: mesh.positions,
             normals,
             texcoords: mesh.texcoords,
@@ -43,6 +44,10 @@ impl MeshBuild<'_> {
             triangles: mesh.triangles,
             draw_triangles,
             material: mesh.material,
+            // Found once morph targets are there too.
+            facing: None,
+            followers: Vec::new(),
+            morph_reach: Vec::new(),
         })
     }
 

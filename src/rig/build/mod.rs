@@ -2,8 +2,10 @@
 //! the rest of the program relies on, whoever filled the draft.
 
 mod clip;
+mod closed;
 mod mesh;
 mod morph;
+mod reach;
 mod skeleton;
 
 use super::{Dofs, Draft, LARGEST_COORDINATE, Rig, RigError, RigId, names};
@@ -62,6 +64,11 @@ impl Draft {
             );
         }
         let morphs = morph::build(self.morphs, &mut meshes, limits)?;
+        for mesh in &mut meshes {
+            mesh.facing = closed::facing(mesh);
+            mesh.followers = reach::followers(mesh);
+            mesh.morph_reach = reach::of_morphs(mesh);
+        }
         let dofs = Dofs::of(&skeleton, &morphs);
         let clips = clip::build(self.clips, &dofs, limits)?;
         Ok(Rig {

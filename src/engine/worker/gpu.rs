@@ -1,100 +1,19 @@
-//! The one thread that owns the renderer. It takes what waits, keeps a few plans in flight, and hands results to the pool.
+//! The one thread that owns the device. It takes what waits, keeps a few plans in flight, and hands results to the pool.
 
-use super::{EngineError, RendererChoice, Terms, Ticket};
+use super::job::{Job, Reply, Timings, Urgency};
 use crate::encode::Pool;
-use crate::render::gpu::{AdapterError, AdapterInfo, Capabilities, Gpu, InFlight};
-use crate::render::{Outputs, Plan, RenderError};
+use crate::engine::{EngineError, RendererChoice};
+use crate::render::gpu::{Gpu, InFlight};
+use crate::render::{AdapterError, Outputs, RenderError};
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-/// How a job's outputs, or what kept it from having any, reach whoever asked.
-pub(super) type Answered = Box<dyn FnOnce(Result<(Outputs, Timings), EngineError>) + Send>;
-
-/// What a job's time went into.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Timings {
-    /// From being taken on to being given to the renderer.
-    pub queue: Duration,
-    /// From there to its outputs in memory.
-    pub render: Duration,
-}
-
-/// Until when, and whether at all, an answer is still of interest.
-#[derive(Debug, Clone, Default)]
-pub struct Urgency {
-    pub deadline: Option<Instant>,
-    pub cancelled: Arc<AtomicBool>,
-}
-
-impl Urgency {
-    /// # Errors
-    /// [`EngineError::Cancelled`] or [`EngineError::DeadlineExceeded`], once that is so.
-    pub fn check(&self) -> Result<(), EngineError> {
-        if self.cancelled.load(Ordering::Relaxed) {
-            return Err(EngineError::Cancelled);
-        }
-        match self.deadline {
-            Some(deadline) if Instant::now() >= deadline => Err(EngineError::DeadlineExceeded),
-            _ => Ok(()),
-        }
-    }
-}
-
-/// A plan and who waits for it. Answered exactly once: on drop at the latest.
-pub(super) struct Job {
-    plan: Plan,
-    urgency: Urgency,
-    taken: Instant,
-    reply: Reply,
-}
-
-struct Reply {
-    done: Option<Answered>,
-    /// Held until the answer is about to be given, so that whoever gets it finds the place free.
-    ticket: Option<Ticket>,
-}
-
-impl Reply {
-    fn send(mut self, result: Result<(Outputs, Timings), EngineError>) {
-        self.answer(result);
-    }
-
-    fn answer(&mut self, result: Result<(Outputs, Timings), EngineError>) {
-        self.ticket = None;
-        if let Some(done) = self.done.take() {
-            done(result);
-        }
-    }
-}
-
-impl Drop for Reply {
-    fn drop(&mut self) {
-        self.answer(Err(EngineError::ShuttingDown));
-    }
-}
-
-impl Job {
-    pub fn new(plan: Plan, terms: Terms, done: Answered) -> Self {
-        let Terms { urgency, ticket } = terms;
-        let reply = Reply {
-            done: Some(done),
-            ticket: Some(ticket),
-        };
-        Self {
-            plan,
-            urgency,
-            taken: Instant::now(),
-            reply,
-        }
-    }
-}
-
-enum Message {
+pub(super) enum Message {
     Job(Box<Job>),
     /// Rigs were unloaded.
     Sweep,
@@ -102,24 +21,21 @@ enum Message {
 }
 
 /// A handle to the thread; dropping it lets the thread finish what it has and waits for that.
-pub(super) struct Worker {
+pub(super) struct GpuWorker {
     messages: Option<Sender<Message>>,
     thread: Option<JoinHandle<()>>,
-    adapter: AdapterInfo,
-    capabilities: Capabilities,
     gpu_bytes: Arc<AtomicU64>,
 }
 
-impl Worker {
-    pub fn open(choice: RendererChoice, pool: Pool) -> Result<Self, AdapterError> {
-        let gpu = Gpu::open(&choice.adapter, choice.require_gpu)?;
-        let (adapter, capabilities) = (gpu.adapter().clone(), gpu.capabilities());
+impl GpuWorker {
+    pub fn start(gpu: Gpu, choice: RendererChoice, pool: Arc<Pool>) -> Result<Self, AdapterError> {
+        let adapter = gpu.adapter().to_string();
         let (messages, inbox) = channel();
         let gpu_bytes = Arc::new(AtomicU64::new(gpu.memory_bytes()));
         let thread = Thread {
             gpu: Some(gpu),
             choice,
-            pool: Arc::new(pool),
+            pool,
             inbox,
             in_flight: VecDeque::new(),
             gpu_bytes: Arc::clone(&gpu_bytes),
@@ -128,51 +44,29 @@ impl Worker {
             .name("renderer".to_owned())
             .spawn(move || thread.run());
         let thread = spawned.map_err(|error| AdapterError::NoDevice {
-            adapter: adapter.to_string(),
+            adapter,
             reason: format!("no thread for it: {error}"),
         })?;
         Ok(Self {
             messages: Some(messages),
             thread: Some(thread),
-            adapter,
-            capabilities,
             gpu_bytes,
         })
-    }
-
-    pub fn adapter(&self) -> &AdapterInfo {
-        &self.adapter
-    }
-
-    pub fn capabilities(&self) -> Capabilities {
-        self.capabilities
     }
 
     pub fn gpu_bytes(&self) -> u64 {
         self.gpu_bytes.load(Ordering::Relaxed)
     }
 
-    pub fn take(&self, job: Job) {
-        // A thread that is gone drops the message, and with it answers the job.
-        self.send(Message::Job(Box::new(job)));
-    }
-
-    pub fn sweep(&self) {
-        self.send(Message::Sweep);
-    }
-
-    pub fn lose_device(&self) {
-        self.send(Message::LoseDevice);
-    }
-
-    fn send(&self, message: Message) {
+    pub fn send(&self, message: Message) {
         if let Some(messages) = &self.messages {
+            // A thread that is gone drops the message, and with it answers the job.
             let _ = messages.send(message);
         }
     }
 }
 
-impl Drop for Worker {
+impl Drop for GpuWorker {
     fn drop(&mut self) {
         self.messages = None;
         if let Some(thread) = self.thread.take() {

@@ -1,0 +1,82 @@
+//! Who draws: a thread that owns the device, or the threads of the pool. Never lives here: how it is drawn.
+
+mod cpu;
+mod gpu;
+mod job;
+
+pub(super) use job::Job;
+pub use job::{Timings, Urgency};
+
+use super::RendererChoice;
+use crate::encode::Pool;
+use crate::render::{AdapterError, AdapterInfo, Capabilities, Renderer};
+use cpu::CpuWorker;
+use gpu::{GpuWorker, Message};
+use std::sync::Arc;
+
+pub(super) struct Worker {
+    of: Kind,
+    adapter: AdapterInfo,
+    capabilities: Capabilities,
+}
+
+enum Kind {
+    Gpu(GpuWorker),
+    Cpu(CpuWorker),
+}
+
+impl Worker {
+    pub fn open(choice: RendererChoice, pool: Pool) -> Result<Self, AdapterError> {
+        let pool = Arc::new(pool);
+        let threads = pool.thread_count();
+        let (renderer, adapter, capabilities) =
+            Renderer::open(&choice.adapter, choice.require_gpu, threads)?;
+        let of = match renderer {
+            Renderer::Gpu(gpu) => Kind::Gpu(GpuWorker::start(*gpu, choice, pool)?),
+            Renderer::Cpu(cpu) => Kind::Cpu(CpuWorker::new(cpu, pool)),
+        };
+        Ok(Self {
+            of,
+            adapter,
+            capabilities,
+        })
+    }
+
+    pub fn adapter(&self) -> &AdapterInfo {
+        &self.adapter
+    }
+
+    pub fn capabilities(&self) -> Capabilities {
+        self.capabilities
+    }
+
+    /// Memory of the graphics device in use.
+    pub fn gpu_bytes(&self) -> u64 {
+        match &self.of {
+            Kind::Gpu(worker) => worker.gpu_bytes(),
+            Kind::Cpu(_) => 0,
+        }
+    }
+
+    pub fn take(&self, job: Job) {
+        match &self.of {
+            Kind::Gpu(worker) => worker.send(Message::Job(Box::new(job))),
+            Kind::Cpu(worker) => worker.take(job),
+        }
+    }
+
+    /// Frees the device memory of rigs that were unloaded.
+    pub fn sweep(&self) {
+        self.tell(Message::Sweep);
+    }
+
+    pub fn lose_device(&self) {
+        self.tell(Message::LoseDevice);
+    }
+
+    fn tell(&self, message: Message) {
+        if let Kind::Gpu(worker) = &self.of {
+            worker.send(message);
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! Triangles that reach before the near plane or far out of the picture, cut down to what fixed point holds (Sutherland and Hodgman,
+//! "Reentrant polygon clipping", 1974). Few are; most are drawn as they are.
+
+use super::geometry::Corner;
+use super::project::{GUARD, Projection};
+
+/// A piece of a triangle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ClippedTriangle {
+    /// The number of the whole one.
+    pub of: u32,
+    pub corners: [Corner; 3],
+}
+
+/// A corner that need not fall anywhere.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Unplaced {
+    pub clip: [f32; 4],
+    pub corner: Corner,
+}
+
+/// Three corners, and one more for each plane that may cut one off.
+const MOST_CORNERS: usize = 3 + PLANES;
+const PLANES: usize = 5;
+
+/// Adds what is left of triangle `of` to `pieces`.
+pub(super) fn clip(
+    of: u32,
+    corners: [Unplaced; 3],
+    projection: &Projection,
+    pieces: &mut Vec<ClippedTriangle>,
+) {
+    let is_finite = |corner: &Unplaced| corner.clip.iter().all(|number| number.is_finite());
+    if !corners.iter().all(is_finite) {
+        return;
+    }
+    let mut polygon = Polygon::of(corners);
+    for plane in 0..PLANES {
+        polygon = polygon.cut(|clip| distance_inside(plane, clip, projection));
+    }
+    let Some(first) = polygon.corners().next() else {
+        return;
+    };
+    let rest = polygon.corners().skip(1);
+    for (second, third) in rest.clone().zip(rest.skip(1)) {
+        let corners = [first, second, third].map(|Unplaced { clip, corner }| {
+            let [x, y, z, w] = clip;
+            Corner {
+                // A corner on the near plane is not to be before it by rounding.
+                projected: projection.place_of([x, y, z.min(w), w]),
+                ..corner
+            }
+        });
+        // Without a direction from the eye a piece is a line at the most.
+        if corners.iter().all(|corner| !corner.projected.is_beyond()) {
+            pieces.push(ClippedTriangle { of, corners });
+        }
+    }
+}
+
+/// Positive inside: behind the near plane first, for only there the rest makes sense; then within the guard band, a pixel less than
+/// which is allowed, so that what is cut lies within for certain.
+fn distance_inside(plane: usize, [x, y, z, w]: [f32; 4], projection: &Projection) -> f32 {
+    let [half_width, half_height] = projection.half_size();
+    let (low, high) = (GUARD[0] + 1.0, GUARD[1] - 1.0);
+    match plane {
+        0 => w - z,
+        1 => x * half_width + w * (half_width - low),
+        2 => w * (high - half_width) - x * half_width,
+        3 => w * (half_height - low) - y * half_height,
+        _ => y * half_height + w * (high - half_height),
+    }
+}
+
+struct Polygon {
+    corners: [Option<Unplaced>; MOST_CORNERS],
+    count: usize,
+}
+
+impl Polygon {
+    fn of(corners: [Unplaced; 3]) -> Self {
+        let mut polygon = Self::empty();
+        corners.into_iter().for_each(|corner| polygon.add(corner));
+        polygon
+    }
+
+    fn empty() -> Self {
+        Self {
+            corners: [None; MOST_CORNERS],
+            count: 0,
+        }
+    }
+
+    fn add(&mut self, corner: Unplaced) {
+        // Where rounding bent a sliver so that a plane cuts it more than twice, what is too much is too thin to be seen.
+        if let Some(free) = self.corners.get_mut(self.count) {
+            *free = Some(corner);
+            self.count += 1;
+        }
+    }
+
+    fn corners(&self) -> impl Iterator<Item = Unplaced> + Clone {
+        self.corners[..self.count].iter().flatten().copied()
+    }
+
+    fn cut(&self, distance: impl Fn([f32; 4]) -> f32) -> Self {
+        let mut left = Self::empty();
+        let next = self.corners().cycle().skip(1);
+        for (corner, next) in self.corners().zip(next) {
+            let (here, there) = (distance(corner.clip), distance(next.clip));
+            if here >= 0.0 {
+                left.add(corner);
+            }
+            // Always from the inside out, so that both triangles at an edge are cut at the same point.
+            if here >= 0.0 && there < 0.0 {
+                left.add(corner.toward(next, here / (here - there)));
+            } else if here < 0.0 && there >= 0.0 {
+                left.add(next.toward(corner, there / (there - here)));
+            }
+        }
+        left
+    }
+}
+
+impl Unplaced {
+    fn toward(self, other: Self, share: f32) -> Self {
+        fn mix<const N: usize>(a: [f32; N], b: [f32; N], share: f32) -> [f32; N] {
+            std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share)
+        }
+        let (from, to) = (self.corner, other.corner);
+        Self {
+            clip: mix(self.clip, other.clip, share),
+            corner: Corner {
+                position: mix(from.position, to.position, share),
+                normal: mix(from.normal, to.normal, share),
+                texcoord: mix(from.texcoord, to.texcoord, share),
+                ..from
+            },
+        }
+    }
+}

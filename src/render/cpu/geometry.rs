@@ -1,0 +1,171 @@
+//! What a picture is made of: triangles over one numbering of vertices, and how each surface is painted. Triangles are numbered in the
+//! order in which they are drawn: where two are equally near, the first one shows. Never lives here: where triangles fall.
+
+use super::clip::ClippedTriangle;
+use super::project::Projected;
+use crate::render::cull::Side;
+use crate::render::{Segment, SolidVertex};
+use crate::rig::{Mesh, Rig, Texture};
+use glam::Vec2;
+
+/// Triangles that are painted alike.
+#[derive(Clone, Copy)]
+pub(super) struct Surface<'a> {
+    /// Of three vertices each, counted from `first_vertex`.
+    pub triangles: &'a [[u32; 3]],
+    pub first_triangle: u32,
+    pub first_vertex: u32,
+    pub paint: Paint<'a>,
+    pub layer: Layer,
+    /// Triangles seen from this side are left out.
+    pub culled: Option<Side>,
+}
+
+/// Which color a surface scatters.
+#[derive(Clone, Copy)]
+pub(super) enum Paint<'a> {
+    /// Each segment's own color, unlit; two triangles to a segment.
+    Lines(&'a [Segment]),
+    /// Each triangle's own color.
+    Solids(&'a [SolidVertex]),
+    Plain,
+    Textured(&'a Texture, &'a [Vec2]),
+}
+
+/// What a sample is kept in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Layer {
+    Base,
+    /// A translucent skin, laid over the base at the end.
+    Skin,
+}
+
+/// Everything that is drawn, projected.
+#[derive(Clone, Copy)]
+pub(super) struct Geometry<'a> {
+    /// In the order of their triangles.
+    pub surfaces: &'a [Surface<'a>],
+    /// One per vertex.
+    pub projected: &'a [Projected],
+    /// In world space, one per vertex but those of lines, which come last.
+    pub positions: &'a [[f32; 3]],
+    pub normals: &'a [[f32; 3]],
+    /// Of the vertices of lines.
+    pub line_corners: &'a [[f32; 4]],
+}
+
+/// A vertex of a triangle with all that is interpolated over it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Corner {
+    pub projected: Projected,
+    pub position: [f32; 3],
+    pub normal: [f32; 3],
+    pub texcoord: [f32; 2],
+}
+
+/// A triangle as bins name it: its own number, or where among those that were cut out of others it stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Entry(u32);
+
+impl Entry {
+    const CLIPPED: u32 = 1 << 31;
+
+    pub fn whole(triangle: u32) -> Self {
+        Self(triangle)
+    }
+
+    pub fn clipped(index: usize) -> Self {
+        Self(index as u32 | Self::CLIPPED)
+    }
+}
+
+/// Where a triangle's surface is, and which of its triangles it is.
+#[derive(Clone, Copy)]
+pub(super) struct Place<'a> {
+    pub surface: &'a Surface<'a>,
+    pub triangle: usize,
+}
+
+impl<'a> Paint<'a> {
+    /// Of a mesh of `rig`.
+    pub fn of(rig: &'a Rig, mesh: &'a Mesh) -> Self {
+        let texture = mesh
+            .material()
+            .and_then(|material| rig.materials()[material].texture.as_deref());
+        match (texture, mesh.texcoords()) {
+            (Some(texture), Some(texcoords)) => Self::Textured(texture, texcoords),
+            _ => Self::Plain,
+        }
+    }
+}
+
+impl Surface<'_> {
+    pub fn end(&self) -> u32 {
+        self.first_triangle + self.triangles.len() as u32
+    }
+}
+
+impl<'a> Geometry<'a> {
+    pub fn triangle_count(&self) -> usize {
+        self.surfaces.last().map_or(0, |last| last.end() as usize)
+    }
+
+    /// Of a triangle's number.
+    #[inline(always)]
+    pub fn place(&self, triangle: u32) -> Place<'a> {
+        let after = self
+            .surfaces
+            .partition_point(|surface| surface.first_triangle <= triangle);
+        // The first surface starts at 0.
+        let surface = &self.surfaces[after - 1];
+        Place {
+            surface,
+            triangle: (triangle - surface.first_triangle) as usize,
+        }
+    }
+
+    /// `clipped` are those of the chunk that the entry comes from.
+    #[inline(always)]
+    pub fn found(&self, entry: Entry, clipped: &[ClippedTriangle]) -> (Place<'a>, [Projected; 3]) {
+        if entry.0 & Entry::CLIPPED == 0 {
+            let place = self.place(entry.0);
+            (place, place.vertices().map(|vertex| self.projected[vertex]))
+        } else {
+            let ClippedTriangle { of, corners } = &clipped[(entry.0 ^ Entry::CLIPPED) as usize];
+            (self.place(*of), corners.map(|corner| corner.projected))
+        }
+    }
+
+    pub fn corners(&self, entry: Entry, clipped: &[ClippedTriangle]) -> [Corner; 3] {
+        if entry.0 & Entry::CLIPPED == 0 {
+            self.whole_corners(self.place(entry.0))
+        } else {
+            clipped[(entry.0 ^ Entry::CLIPPED) as usize].corners
+        }
+    }
+
+    pub fn whole_corners(&self, place: Place<'a>) -> [Corner; 3] {
+        let own = place.surface.triangles[place.triangle];
+        let mut corners = place.vertices().map(|vertex| Corner {
+            projected: self.projected[vertex],
+            position: self.positions.get(vertex).copied().unwrap_or_default(),
+            normal: self.normals.get(vertex).copied().unwrap_or_default(),
+            texcoord: [0.0; 2],
+        });
+        if let Paint::Textured(_, texcoords) = place.surface.paint {
+            for (corner, vertex) in corners.iter_mut().zip(own) {
+                corner.texcoord = texcoords[vertex as usize].to_array();
+            }
+        }
+        corners
+    }
+}
+
+impl Place<'_> {
+    /// In the numbering of all.
+    #[inline(always)]
+    pub fn vertices(&self) -> [usize; 3] {
+        let first = self.surface.first_vertex;
+        self.surface.triangles[self.triangle].map(|vertex| (first + vertex) as usize)
+    }
+}

@@ -1,0 +1,63 @@
+//! Memory that is worked in and kept: in a steady stream of like pictures none is asked for. Never lives here: what is in it.
+
+use super::bin::Chunk;
+use super::project::Projected;
+use std::ops::{Deref, DerefMut};
+use std::sync::{Mutex, PoisonError};
+
+/// What one picture needs until it is drawn.
+#[derive(Default)]
+pub(super) struct Room {
+    pub positions: Vec<[f32; 3]>,
+    pub normals: Vec<[f32; 3]>,
+    pub projected: Vec<Projected>,
+    pub line_corners: Vec<[f32; 4]>,
+    pub line_triangles: Vec<[u32; 3]>,
+    pub chunks: Vec<Chunk>,
+}
+
+/// Rooms that nobody works in: as many as were ever used at a time.
+pub(super) struct Rooms<T>(Mutex<Vec<Box<T>>>);
+
+impl<T> Default for Rooms<T> {
+    fn default() -> Self {
+        Self(Mutex::new(Vec::new()))
+    }
+}
+
+impl<T: Default> Rooms<T> {
+    pub fn take(&self) -> Lent<'_, T> {
+        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        Lent {
+            room: Some(kept.unwrap_or_default()),
+            rooms: self,
+        }
+    }
+}
+
+/// A room, given back on drop.
+pub(super) struct Lent<'a, T> {
+    room: Option<Box<T>>,
+    rooms: &'a Rooms<T>,
+}
+
+impl<T> Deref for Lent<'_, T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        self.room.as_deref().expect("lent until it is dropped")
+    }
+}
+
+impl<T> DerefMut for Lent<'_, T> {
+    fn deref_mut(&mut self) -> &mut T {
+        self.room.as_deref_mut().expect("lent until it is dropped")
+    }
+}
+
+impl<T> Drop for Lent<'_, T> {
+    fn drop(&mut self) {
+        let mut rooms = self.rooms.0.lock().unwrap_or_else(PoisonError::into_inner);
+        rooms.extend(self.room.take());
+    }
+}

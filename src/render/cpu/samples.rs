@@ -1,0 +1,140 @@
+//! Where a pixel is sampled, and the samples of one tile: how near, and of which triangle. Never lives here: what covers them.
+
+use super::bin::TILE;
+use super::geometry::Layer;
+use super::lanes::LANES;
+use crate::scene::Samples;
+
+/// Pixels of a block's side. A tile is made of blocks, whose samples lie one behind the other.
+pub(super) const BLOCK: u32 = 8;
+pub(super) const BLOCK_PIXELS: usize = (BLOCK * BLOCK) as usize;
+/// Blocks in a row of a tile.
+pub(super) const BLOCK_COLUMNS: u32 = TILE[0] / BLOCK;
+const BLOCKS: usize = (BLOCK_COLUMNS * TILE[1] / BLOCK) as usize;
+
+/// Sample positions lie on a grid of eighths of a pixel.
+pub(super) const EIGHTHS: i32 = 8;
+/// Steps of fixed point to an eighth.
+pub(super) const STEPS_IN_EIGHTH: i32 = super::project::STEPS / EIGHTHS;
+
+/// Where in a pixel its samples are: Vulkan's and Direct3D's standard positions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Pattern(Samples);
+
+impl Pattern {
+    pub const fn of(samples: Samples) -> Self {
+        Self(samples)
+    }
+
+    /// In eighths of a pixel from its upper left corner.
+    pub fn positions(self) -> &'static [[i32; 2]] {
+        match self.0 {
+            Samples::One => &[[4, 4]],
+            Samples::Four => &[[3, 1], [7, 3], [1, 5], [5, 7]],
+        }
+    }
+
+    pub fn count(self) -> usize {
+        self.positions().len()
+    }
+
+    /// The first step, on either axis, at or after this one on which there is a sample.
+    #[inline(always)]
+    pub fn first_at(self, step: i32) -> i32 {
+        let (offset, bits) = self.spacing();
+        ((step - offset + (1 << bits) - 1) >> bits << bits) + offset
+    }
+
+    /// The last one at or before it.
+    #[inline(always)]
+    pub fn last_at(self, step: i32) -> i32 {
+        let (offset, bits) = self.spacing();
+        ((step - offset) >> bits << bits) + offset
+    }
+
+    /// On each axis: the first sample's distance from the pixel's edge in steps, and how many bits the distance of samples from each
+    /// other has.
+    #[inline(always)]
+    fn spacing(self) -> (i32, u32) {
+        let eighth = STEPS_IN_EIGHTH.ilog2();
+        match self.0 {
+            Samples::One => (4 * STEPS_IN_EIGHTH, eighth + 3),
+            Samples::Four => (STEPS_IN_EIGHTH, eighth + 1),
+        }
+    }
+}
+
+/// Nothing was drawn over a sample.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// The samples of one tile. Within a block pixels go row by row, and the samples of a pixel lie side by side.
+pub(super) struct TileSamples {
+    pattern: Pattern,
+    depth: Vec<f32>,
+    /// Numbers of triangles, as the tile gives them, or [`NONE`].
+    base: Vec<u32>,
+    skin: Vec<u32>,
+    /// Of each block, whether anything was drawn there since the last [`clear`](Self::clear).
+    touched: [bool; BLOCKS],
+}
+
+impl Default for TileSamples {
+    fn default() -> Self {
+        Self {
+            pattern: Pattern::of(Samples::One),
+            depth: Vec::new(),
+            base: Vec::new(),
+            skin: Vec::new(),
+            touched: [false; BLOCKS],
+        }
+    }
+}
+
+/// The samples of a block that one layer is drawn into.
+pub(super) struct BlockSamples<'a> {
+    pub depth: &'a mut [[f32; LANES]],
+    pub triangle: &'a mut [[u32; LANES]],
+}
+
+impl TileSamples {
+    pub fn clear(&mut self, pattern: Pattern) {
+        self.pattern = pattern;
+        self.touched = [false; BLOCKS];
+        // Blocks are cleared as they are met: most of a picture is often empty.
+        let samples = BLOCKS * BLOCK_PIXELS * pattern.count();
+        self.depth.resize(samples, 0.0);
+        self.base.resize(samples, NONE);
+        self.skin.resize(samples, NONE);
+    }
+
+    /// To be drawn into.
+    #[inline(always)]
+    pub fn block(&mut self, block: usize, layer: Layer) -> BlockSamples<'_> {
+        let length = BLOCK_PIXELS * self.pattern.count();
+        let range = block * length..(block + 1) * length;
+        if !self.touched[block] {
+            self.touched[block] = true;
+            self.depth[range.clone()].fill(0.0);
+            self.base[range.clone()].fill(NONE);
+            self.skin[range.clone()].fill(NONE);
+        }
+        let triangle = match layer {
+            Layer::Base => &mut self.base,
+            Layer::Skin => &mut self.skin,
+        };
+        BlockSamples {
+            depth: self.depth[range.clone()].as_chunks_mut().0,
+            triangle: triangle[range].as_chunks_mut().0,
+        }
+    }
+
+    /// Of each sample of a block which triangle it shows; `None` where nothing was drawn.
+    pub fn shown(&self, block: usize, layer: Layer) -> Option<&[u32]> {
+        let length = BLOCK_PIXELS * self.pattern.count();
+        let triangle = match layer {
+            Layer::Base => &self.base,
+            Layer::Skin => &self.skin,
+        };
+        self.touched[block].then(|| &triangle[block * length..(block + 1) * length])
+    }
+}

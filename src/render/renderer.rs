@@ -1,0 +1,69 @@
+//! Which of the two renderers draws, and why. Never lives here: drawing.
+
+use super::cpu::Cpu;
+use super::gpu::{self, Gpu};
+use super::{AdapterChoice, AdapterError, AdapterInfo, Capabilities};
+
+/// One of the twins, opened.
+pub enum Renderer {
+    Gpu(Box<Gpu>),
+    Cpu(Cpu),
+}
+
+impl Renderer {
+    /// `threads` is how many the CPU may draw with.
+    ///
+    /// # Errors
+    /// [`AdapterError`] says what there is instead.
+    pub fn open(
+        choice: &AdapterChoice,
+        require_gpu: bool,
+        threads: usize,
+    ) -> Result<(Self, AdapterInfo, Capabilities), AdapterError> {
+        let cpu = |why: String| {
+            let info = AdapterInfo {
+                why: Some(why),
+                ..Cpu::info(threads)
+            };
+            Ok((Self::Cpu(Cpu::default()), info, Cpu::CAPABILITIES))
+        };
+        if *choice == AdapterChoice::Cpu {
+            return if require_gpu {
+                Err(AdapterError::CpuIsNoGpu)
+            } else {
+                cpu("asked for".to_owned())
+            };
+        }
+        let may_do_without = *choice == AdapterChoice::Auto && !require_gpu;
+        match Gpu::open(choice, require_gpu) {
+            Ok(gpu) => {
+                let why = match choice {
+                    AdapterChoice::Auto => "the first GPU that was found",
+                    AdapterChoice::Cpu | AdapterChoice::Backend(_) | AdapterChoice::Named(_) => {
+                        "asked for"
+                    }
+                };
+                let info = AdapterInfo {
+                    why: Some(why.to_owned()),
+                    ..gpu.adapter().clone()
+                };
+                let capabilities = gpu.capabilities();
+                Ok((Self::Gpu(Box::new(gpu)), info, capabilities))
+            }
+            Err(AdapterError::NoDevice { adapter, reason }) if may_do_without => {
+                cpu(format!("the GPU {adapter} cannot be used: {reason}"))
+            }
+            Err(_) if may_do_without => cpu("no GPU was found".to_owned()),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+/// Everything that can be drawn with, best first.
+pub fn adapters(threads: usize) -> Vec<AdapterInfo> {
+    let mut adapters = gpu::adapters();
+    let software = |info: &AdapterInfo| info.kind >= super::AdapterKind::Software;
+    let after_gpus = adapters.iter().position(software).unwrap_or(adapters.len());
+    adapters.insert(after_gpus, Cpu::info(threads));
+    adapters
+}

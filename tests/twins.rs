@@ -1,0 +1,307 @@
+//! Do the two renderers draw the same pictures and skin the same vertices? rigd's own is held against wgpu on Vulkan's software driver.
+//! Where there is no Vulkan adapter, these tests say so and pass.
+
+mod support;
+
+use rigd::service::Service;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::sync::{Arc, LazyLock};
+use support::pictures::{
+    Image, Mismatch, Tolerance, ask_attached, attached_bytes, difference, draw, matches, over,
+};
+use support::suite::{base, load_corners, suite};
+use support::{ask_ok, note};
+
+/// Rounding to 8 bits may fall either way. What is further off lies on edges, where one sample may go to the other side: of four, white
+/// over black, that is linear 0.25, which is 137 in sRGB.
+/// Over all pictures one channel in a thousand may be; a single picture that is all edges has more.
+const ALIKE: Tolerance = Tolerance {
+    channel: 1,
+    share: 0.004,
+    most: 140,
+};
+
+const SHARE_OF_ALL: f64 = 0.001;
+
+/// Off edges no channel differs by more than this: over triangles seen from their edge float32 runs short.
+const SLIVERS: u8 = 3;
+
+/// With one sample a pixel on an edge is one color or the other.
+const ONE_SAMPLE: Tolerance = Tolerance { most: 255, ..ALIKE };
+
+/// Share of a position or normal: a few steps of float32, summed in another order.
+const VERTICES: f32 = 1e-5;
+
+/// rigd's own renderer, and wgpu's.
+static TWINS: LazyLock<Option<[Arc<Service>; 2]>> = LazyLock::new(|| {
+    let twins = [
+        support::service_on("cpu")?,
+        support::service_on("llvmpipe")?,
+    ];
+    twins.iter().for_each(load_corners);
+    Some(twins)
+});
+
+/// Their pictures of one request, which must show something.
+fn drawn(twins: &[Arc<Service>; 2], name: &str, request: &Value) -> [Image; 2] {
+    let images = [0, 1].map(|twin| draw(&twins[twin], request).image);
+    let first = images[0].at(0, 0);
+    assert!(
+        images[0].pixels.len() == 1 || images[0].iter().any(|it| it.2 != first),
+        "{name}: nothing is drawn"
+    );
+    images
+}
+
+/// Writes both pictures and their difference, side by side, for somebody to look at.
+fn keep(name: &str, [own, wgpu]: &[Image; 2]) -> PathBuf {
+    let sides = [own, wgpu, &difference(own, wgpu)];
+    let rows = (0..own.height).flat_map(|y| {
+        let row = move |image: &Image| -> Vec<[u8; 4]> {
+            (0..own.width).map(|x| image.at(x, y)).collect()
+        };
+        sides.map(row).concat()
+    });
+    let pixels: Vec<[u8; 4]> = rows.collect();
+    let image = Image::from_bytes([3 * own.width, own.height], pixels.as_flattened());
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR"))
+        .join("twins")
+        .join(format!("{name}.png"));
+    image.write(&path);
+    path
+}
+
+/// What differs by more than rounding lies on edges: in either picture some pixel around it is of quite another color.
+fn is_on_an_edge(image: &Image, x: usize, y: usize) -> bool {
+    let here = image.at(x, y);
+    let around = |at: usize, side: usize| at.saturating_sub(1)..=(at + 1).min(side - 1);
+    around(y, image.height)
+        .flat_map(|y| around(x, image.width).map(move |x| (x, y)))
+        .any(|(x, y)| (0..4).any(|i| image.at(x, y)[i].abs_diff(here[i]) > 4))
+}
+
+fn compare(twins: &[Arc<Service>; 2], name: &str, request: &Value) -> (usize, usize) {
+    let images = drawn(twins, name, request);
+    let path = keep(name, &images);
+    let [own, wgpu] = &images;
+    let tolerance = if request["samples"] == 1 {
+        ONE_SAMPLE
+    } else {
+        ALIKE
+    };
+    if let Err(mismatch) = matches(wgpu, own, tolerance) {
+        panic!("{name}: {mismatch:?}; see {}", path.display());
+    }
+    let mut off = 0;
+    for (x, y, pixel) in own.iter() {
+        let other = wgpu.at(x, y);
+        let differing = (0..4)
+            .filter(|&i| pixel[i].abs_diff(other[i]) > ALIKE.channel)
+            .count();
+        off += differing;
+        let most = (0..4).map(|i| pixel[i].abs_diff(other[i])).max();
+        if most > Some(SLIVERS) {
+            let explained = is_on_an_edge(own, x, y) || is_on_an_edge(wgpu, x, y);
+            assert!(
+                explained,
+                "{name}: {pixel:?} is not {other:?} at {x},{y}, off any edge; see {}",
+                path.display()
+            );
+        }
+    }
+    (off, 4 * own.pixels.len())
+}
+
+/// What the suite of small pictures leaves out: size, one sample, cameras in the midst of things, lights of every kind at once.
+fn more() -> Vec<(&'static str, Value)> {
+    let stride =
+        json!({"base": "rest", "clip": {"name": "walk", "time": 0.3}, "dofs": {"pelvis.tz": 0}});
+    let near = |eye: [f64; 3], target: [f64; 3]| json!({"kind": "look_at", "eye": eye, "target": target, "fov_y": 0.9});
+    let point = |position: [f64; 3], falloff: &str| json!({"kind": "point", "position": position, "falloff": falloff, "intensity": 0.4});
+    let lights = json!([
+        point([1.0, 2.0, 1.0], "none"), point([-1.0, 1.5, 0.5], "inverse_square"), point([0.0, 0.2, 1.0], "inverse_square"),
+        {"kind": "directional", "direction": [0, -1, 0], "intensity": 0.3},
+    ]);
+    let sharp =
+        json!({"diffuse": [0.2, 0.2, 0.25], "specular": [0.9, 0.9, 0.9], "shininess": 2000});
+    vec![
+        ("large", json!({"size": [512, 512], "pose": stride})),
+        (
+            "one sample",
+            json!({"size": [300, 300], "samples": 1, "pose": stride}),
+        ),
+        ("odd size", json!({"size": [333, 127], "pose": stride})),
+        (
+            "a single pixel",
+            json!({"size": [1, 1], "camera": near([0.0, 1.2, 1.0], [0.0, 1.2, 0.0])}),
+        ),
+        (
+            "from its inside",
+            json!({"size": [200, 200], "camera": near([0.0, 1.2, 0.0], [0.3, 1.3, 1.0])}),
+        ),
+        (
+            "through its shoulder",
+            json!({"size": [200, 200], "camera": near([0.25, 1.4, 0.3], [0.0, 1.3, -0.4])}),
+        ),
+        (
+            "near plane in its face",
+            json!({"size": [200, 200], "camera": {"kind": "look_at", "eye": [0, 1.6, 0.4], "target": [0, 1.6, 0], "near": 0.32}}),
+        ),
+        (
+            "nose to nose",
+            json!({"size": [200, 200], "camera": {"kind": "look_at", "eye": [0, 1.58, 0.2], "target": [0, 1.58, 0], "fov_y": 2.5}}),
+        ),
+        (
+            "many lights",
+            json!({"size": [200, 200], "lights": lights, "pose": stride}),
+        ),
+        (
+            "sharp highlights",
+            json!({"size": [200, 200], "material": sharp}),
+        ),
+        (
+            "translucent before nothing",
+            json!({"size": [200, 200], "background": [0, 0, 0, 0], "show": {"skin_opacity": 0.3, "skeleton": "boxes"}}),
+        ),
+        (
+            "culling nothing",
+            json!({"size": [200, 200], "cull": "never", "pose": stride}),
+        ),
+        (
+            "flat, from below",
+            json!({"size": [200, 200], "show": {"normals": "flat"}, "camera": near([0.3, -1.0, 1.0], [0.0, 0.9, 0.0])}),
+        ),
+        (
+            "dual quaternions",
+            json!({"size": [200, 200], "pose": stride, "skinning": "dual_quaternion"}),
+        ),
+        (
+            "its shirt, magnified",
+            json!({"size": [200, 200], "camera": near([0.0, 1.3, 0.35], [0.0, 1.25, 0.0])}),
+        ),
+        (
+            "far away",
+            json!({"size": [200, 200], "camera": near([0.0, 1.0, 60.0], [0.0, 1.0, 0.0])}),
+        ),
+    ]
+}
+
+#[test]
+fn both_renderers_draw_the_same_pictures() {
+    let Some(twins) = TWINS.as_ref() else { return };
+    let of_suite = suite().into_iter();
+    let more = more()
+        .into_iter()
+        .map(|(name, changes)| (name, over(base(json!({})), changes)));
+    let (mut off, mut all) = (0, 0);
+    for (name, request) in of_suite.chain(more) {
+        let (of_picture, channels) = compare(twins, name, &request);
+        println!("{name}: {of_picture} of {channels} channels differ by more than 1");
+        (off, all) = (off + of_picture, all + channels);
+    }
+    note(&format!("{off} of {all} channels differ by more than 1"));
+    assert!(off as f64 <= SHARE_OF_ALL * all as f64);
+}
+
+#[test]
+fn both_renderers_skin_the_same_vertices() {
+    let Some(twins) = TWINS.as_ref() else { return };
+    let dofs = json!({"morph.smile": 0.7, "forearm_l.rx": -1.2, "spine.ry": 0.5});
+    for (skinning, range) in [
+        ("linear", json!(null)),
+        ("dual_quaternion", json!(null)),
+        ("linear", json!({"start": 17, "count": 5})),
+        ("dual_quaternion", json!({"start": 3, "count": 0})),
+    ] {
+        let mut request = json!({
+            "rig": "figure", "pose": {"base": "rest", "dofs": dofs}, "transport": "attach", "skinning": skinning,
+        });
+        if !range.is_null() {
+            request["range"] = range.clone();
+        }
+        for attribute in ["positions", "normals"] {
+            let [own, wgpu] = [0, 1].map(|twin| -> Vec<f32> {
+                let (result, attached) = ask_attached(&twins[twin], "mesh.vertices", &request);
+                let bytes = attached_bytes(&result["meshes"][0][attribute], &attached);
+                let words = bytes.as_chunks::<4>().0.iter();
+                words.map(|word| f32::from_le_bytes(*word)).collect()
+            });
+            assert_eq!(own.len(), wgpu.len());
+            let off = own.iter().zip(&wgpu).map(|(a, b)| (a - b).abs());
+            // Not `max`, which would pass over what is not a number.
+            let worst = off.fold(0.0f32, |worst, off| if off <= worst { worst } else { off });
+            assert!(worst <= VERTICES, "{skinning}, {attribute}: {worst}");
+        }
+    }
+}
+
+#[test]
+fn culling_is_not_seen() {
+    let Some(twins) = TWINS.as_ref() else { return };
+    for (name, request) in suite() {
+        for (twin, of) in twins.iter().zip(["cpu", "wgpu"]) {
+            let culled = draw(twin, &request).image;
+            let whole = draw(twin, &over(request.clone(), json!({"cull": "never"}))).image;
+            let pixels = culled.pixels.iter().zip(&whole.pixels);
+            let differing = pixels
+                .filter(|(a, b)| (0..4).any(|i| a[i].abs_diff(b[i]) > 1))
+                .count();
+            let allowed = culled.pixels.len() / 1000;
+            assert!(differing <= allowed, "{name}, {of}: {differing} pixels");
+        }
+    }
+}
+
+#[test]
+fn the_comparison_refuses_what_is_not_alike() {
+    let accepted = Image::from_bytes([20, 50], &[100; 4000]);
+    let with = |count: usize, value: u8| {
+        let mut image = accepted.clone();
+        let pixels = image.pixels.iter_mut().take(count);
+        pixels.for_each(|pixel| pixel[1] = value);
+        image
+    };
+    let check = |found: &Image| matches(&accepted, found, ALIKE);
+    assert_eq!(check(&accepted), Ok(()));
+    assert_eq!(check(&with(1000, 101)), Ok(()), "rounding everywhere");
+    assert_eq!(check(&with(16, 240)), Ok(()), "an edge or two");
+    let off = |differing, color| {
+        let worst = (0, 0, [100; 4], [100, color, 100, 100]);
+        Err(Mismatch::Channels {
+            differing,
+            allowed: 16,
+            worst,
+        })
+    };
+    assert_eq!(check(&with(1, 241)), off(1, 241), "one pixel too far off");
+    assert_eq!(check(&with(17, 102)), off(17, 102), "too many channels");
+    let sideways = Image {
+        width: 50,
+        height: 20,
+        ..accepted.clone()
+    };
+    let (wanted, found) = ([20, 50], [50, 20]);
+    assert_eq!(check(&sideways), Err(Mismatch::Size { wanted, found }));
+    assert!(!is_on_an_edge(&accepted, 5, 5) && is_on_an_edge(&with(3, 160), 3, 0));
+}
+
+#[test]
+fn a_figure_that_moved_a_little_is_not_the_same() {
+    let Some(twins) = TWINS.as_ref() else { return };
+    let wgpu = draw(&twins[1], &base(json!({}))).image;
+    for change in [
+        json!({"pose": {"base": "rest", "dofs": {"pelvis.tx": 0.005}}}),
+        json!({"samples": 1}),
+        json!({"material": {"specular": [0.26, 0.22, 0.22], "shininess": 40}}),
+        json!({"show": {"normals": "flat"}}),
+    ] {
+        let own = draw(&twins[0], &over(base(json!({})), change.clone())).image;
+        assert!(matches(&wgpu, &own, ALIKE).is_err(), "{change}");
+    }
+    // Both know what they draw with.
+    let kinds = twins
+        .each_ref()
+        .map(|twin| ask_ok(twin, "server.info", json!({}))["adapter"]["type"].take());
+    assert_eq!(kinds, [json!("cpu"), json!("software")]);
+}
