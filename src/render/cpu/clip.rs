@@ -43,26 +43,22 @@ pub(super) fn clip(
     };
     let rest = polygon.corners().skip(1);
     for (second, third) in rest.clone().zip(rest.skip(1)) {
-        let corners = [first, second, third].map(|Unplaced { clip, corner }| {
-            let [x, y, z, w] = clip;
-            Corner {
-                // A corner on the near plane is not to be before it by rounding.
-                projected: projection.place_of([x, y, z.min(w), w]),
+        let corners = [first, second, third];
+        // What is left before the near plane is ahead of the eye, but for pieces that rounding made of nothing.
+        if corners.iter().all(|corner| corner.clip[3] > 0.0) {
+            let corners = corners.map(|Unplaced { clip, corner }| Corner {
+                projected: projection.place_inside(clip),
                 ..corner
-            }
-        });
-        // Without a direction from the eye a piece is a line at the most.
-        if corners.iter().all(|corner| !corner.projected.is_beyond()) {
+            });
             pieces.push(ClippedTriangle { of, corners });
         }
     }
 }
 
-/// Positive inside: behind the near plane first, for only there the rest makes sense; then within the guard band, a pixel less than
-/// which is allowed, so that what is cut lies within for certain.
+/// Positive inside: behind the near plane first, for only there the rest makes sense; then within the guard band.
 fn distance_inside(plane: usize, [x, y, z, w]: [f32; 4], projection: &Projection) -> f32 {
     let [half_width, half_height] = projection.half_size();
-    let (low, high) = (GUARD[0] + 1.0, GUARD[1] - 1.0);
+    let [low, high] = GUARD;
     match plane {
         0 => w - z,
         1 => x * half_width + w * (half_width - low),

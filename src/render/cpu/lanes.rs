@@ -147,6 +147,13 @@ fn square<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 4] {
     ]
 }
 
+/// Held between 0 and 1; 0 of what is no number, which maximum and minimum do not say the same of on every machine.
+#[inline(always)]
+pub(super) fn held<S: Simd>(x: f32x8<S>) -> f32x8<S> {
+    let zero = f32x8::splat(x.token(), 0.0);
+    x.simd_gt(zero).select(x, zero).min(1.0)
+}
+
 /// `base` to the power of `exponent`, for a base from 0 to 1 or a little more; anything to the power of 0 is 1.
 #[inline(always)]
 pub(super) fn power<S: Simd>(base: f32x8<S>, exponent: f32) -> f32x8<S> {

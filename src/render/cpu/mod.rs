@@ -355,3 +355,6 @@ impl<'a> SkinJob<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -78,23 +78,42 @@ impl Projection {
     }
 
     /// One point of clip space.
-    pub fn place_of(&self, [x, y, z, w]: [f32; 4]) -> Projected {
-        let inverse_w = 1.0 / w;
-        let [half_width, half_height] = self.half_size;
-        let pixel_x = x * inverse_w * half_width + half_width;
-        let pixel_y = half_height - y * inverse_w * half_height;
+    pub fn place_of(&self, clip: [f32; 4]) -> Projected {
+        let [x, y] = self.pixel_of(clip);
         let is_inside = |pixel: f32| (GUARD[0]..=GUARD[1]).contains(&pixel);
-        if z <= w && w > 0.0 && is_inside(pixel_x) && is_inside(pixel_y) {
-            let steps = |pixel: f32| (pixel * STEPS as f32).round_ties_even() as i32;
-            Projected {
-                x: steps(pixel_x),
-                y: steps(pixel_y),
-                pixel: [pixel_x, pixel_y],
-                depth: z * inverse_w,
-                inverse_w,
-            }
+        let [.., z, w] = clip;
+        if z <= w && w > 0.0 && is_inside(x) && is_inside(y) {
+            Self::placed(clip, [x, y])
         } else {
             Projected::BEYOND
+        }
+    }
+
+    /// One point of clip space that was cut to lie inside, and does but for rounding. It lies before the eye.
+    pub fn place_inside(&self, [x, y, z, w]: [f32; 4]) -> Projected {
+        let pixel = self.pixel_of([x, y, z, w]);
+        let pixel = pixel.map(|pixel| pixel.clamp(GUARD[0], GUARD[1]));
+        Self::placed([x, y, z.min(w), w], pixel)
+    }
+
+    fn pixel_of(&self, [x, y, _, w]: [f32; 4]) -> [f32; 2] {
+        let inverse_w = 1.0 / w;
+        let [half_width, half_height] = self.half_size;
+        [
+            x * inverse_w * half_width + half_width,
+            half_height - y * inverse_w * half_height,
+        ]
+    }
+
+    fn placed([_, _, z, w]: [f32; 4], pixel: [f32; 2]) -> Projected {
+        let [x, y] = pixel.map(|pixel| (pixel * STEPS as f32).round_ties_even() as i32);
+        let inverse_w = 1.0 / w;
+        Projected {
+            x,
+            y,
+            pixel,
+            depth: z * inverse_w,
+            inverse_w,
         }
     }
 

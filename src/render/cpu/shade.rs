@@ -1,6 +1,6 @@
 //! Stage 3, shade: the twin of `shaders/light.wgsl`, for eight fragments at a time. A fragment is what a triangle shows of one pixel.
 
-use super::lanes::{LANES, Vectors, power, rows_of, transposed};
+use super::lanes::{LANES, Vectors, held, power, rows_of, transposed};
 use crate::render::view::View;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x4, f32x8};
@@ -158,9 +158,9 @@ fn blinn_phong<S: Simd>(
         }
     }
     Vectors {
-        x: color.x.max(0.0).min(1.0),
-        y: color.y.max(0.0).min(1.0),
-        z: color.z.max(0.0).min(1.0),
+        x: held(color.x),
+        y: held(color.y),
+        z: held(color.z),
     }
 }
 
