@@ -147,7 +147,9 @@ fn levels() -> Vec<Level> {
 /// A corner of the kind that triangle `index` is made of: anywhere near the tile, on the grid of samples, on pixels' corners, far away.
 fn random_corner(random: &mut Random, index: usize) -> Projected {
     let (width, height) = (TILE[0] as i32 * STEPS, TILE[1] as i32 * STEPS);
-    match index % 5 {
+    // Odd multiples, few of them, so that many an edge runs through samples.
+    let odd = |of: i32, random: &mut Random| of * (2 * random.within(0, 6) + 1);
+    match index % 6 {
         0 => corner(
             random.within(-2000, width + 2000),
             random.within(-2000, height + 2000),
@@ -156,8 +158,9 @@ fn random_corner(random: &mut Random, index: usize) -> Projected {
             32 * random.within(0, width / 32),
             32 * random.within(0, height / 32),
         ),
-        2 => corner(256 * random.within(0, 8), 256 * random.within(0, 8)),
-        3 => corner(random.within(2560, 3200), random.within(2560, 3200)),
+        2 => corner(odd(32, random), odd(32, random)),
+        3 => corner(odd(128, random), odd(128, random)),
+        4 => corner(random.within(2560, 3200), random.within(2560, 3200)),
         _ => corner(
             random.within(-8192 * STEPS, 24576 * STEPS),
             random.within(-8192 * STEPS, 24576 * STEPS),
@@ -190,7 +193,7 @@ fn a_triangle_covers_the_samples_that_are_in_it_and_no_other() {
 fn triangles_around_a_point_share_every_sample_out_once() {
     let mut random = Random(2);
     for index in 0..200 {
-        let middle = random_corner(&mut random, index % 4);
+        let middle = random_corner(&mut random, index % 5);
         // Around the middle in the order of their angles, near and far.
         let mut angles: Vec<f64> = (0..7).map(|_| f64::from(random.unit()) * 6.2).collect();
         angles.sort_by(f64::total_cmp);
