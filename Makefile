@@ -24,9 +24,9 @@ test: setup
 setup:
 	sh scripts/setup.sh driver tools
 
-## Frames a second of the bare engine and through a socket, and their ratio; how fast files become rigs.
+## Frames a second of both renderers, of the bare engine and through a socket; how fast files become rigs.
 bench:
-	$(CARGO) bench --locked --bench service --bench loading
+	$(CARGO) bench --locked --bench drawing --bench service --bench loading
 
 clean:
 	$(CARGO) clean

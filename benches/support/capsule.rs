@@ -1,10 +1,8 @@
-//! A character of any size: a capsule along y, bound to a chain of joints. Closed, and wound outward.
+//! A character of any size: a capsule along y, bound to a chain of joints, as files of the course's kind. Closed, and wound outward.
 
-use glam::{DAffine3, DVec3};
-use rigd::limits::Limits;
-use rigd::rig::{BindingDraft, Draft, JointDraft, Limit, MeshDraft, Rig, RotationOrder};
+use rigd::formats::{File, FileRef};
 use std::f64::consts::{FRAC_PI_2, TAU};
-use std::sync::Arc;
+use std::fmt::Write;
 
 /// How much of everything there is.
 #[derive(Clone, Copy)]
@@ -31,85 +29,94 @@ const HALF: f64 = 1.0;
 const RADIUS: f64 = 0.5;
 
 impl Capsule {
-    pub fn rig(&self) -> Arc<Rig> {
-        let mut positions = Vec::new();
-        let mut normals = Vec::new();
-        let mut influences = Vec::new();
+    pub fn vertex_count(&self) -> usize {
+        (self.rings + 1) * self.segments
+    }
+
+    /// A skeleton and a skin.
+    pub fn files(&self) -> Vec<FileRef> {
+        let file = |name: &str, text: String| {
+            FileRef::Inline(File {
+                name: name.to_owned(),
+                bytes: text.into_bytes().into(),
+            })
+        };
+        vec![
+            file("capsule.skel", self.skel()),
+            file("capsule.skin", self.skin()),
+        ]
+    }
+
+    fn skel(&self) -> String {
+        let mut text = String::new();
+        for joint in 0..self.joints {
+            let below = joint.checked_sub(1).map_or(0.0, |below| self.height(below));
+            let _ = write!(
+                text,
+                "balljoint j{joint} {{ offset 0 {} 0 ",
+                self.height(joint) - below
+            );
+        }
+        text + &"}".repeat(self.joints)
+    }
+
+    fn skin(&self) -> String {
+        let (mut positions, mut normals, mut weights) =
+            (String::new(), String::new(), String::new());
         for ring in 0..=self.rings {
             let (out, up, middle) = profile(ring as f64 / self.rings as f64);
             for segment in 0..self.segments {
                 let (sin, cos) = (TAU * segment as f64 / self.segments as f64).sin_cos();
-                let normal = DVec3::new(out * cos, up, out * sin);
-                let position = normal * RADIUS + DVec3::Y * middle;
-                positions.push(position.as_vec3());
-                normals.push(normal.as_vec3());
-                influences.extend(self.influences_at(position.y));
+                let [x, y, z] = [out * cos, up, out * sin];
+                let height = y * RADIUS + middle;
+                let _ = writeln!(positions, "{:.7} {height:.7} {:.7}", x * RADIUS, z * RADIUS);
+                let _ = writeln!(normals, "{x:.7} {y:.7} {z:.7}");
+                let _ = writeln!(weights, "{}", self.influences_at(height));
             }
         }
-        let mut triangles = Vec::new();
-        let at =
-            |ring: usize, segment: usize| (ring * self.segments + segment % self.segments) as u32;
+        let mut triangles = String::new();
+        let at = |ring: usize, segment: usize| ring * self.segments + segment % self.segments;
         for ring in 0..self.rings {
             for segment in 0..self.segments {
                 let (a, b) = (at(ring, segment), at(ring, segment + 1));
                 let (c, d) = (at(ring + 1, segment), at(ring + 1, segment + 1));
-                triangles.extend([[a, c, b], [b, c, d]]);
+                let _ = writeln!(triangles, "{a} {b} {c} {b} {d} {c}");
             }
         }
-        let vertices = positions.len();
-        let draft = Draft {
-            joints: (0..self.joints).map(|joint| self.joint(joint)).collect(),
-            bindings: (0..self.joints)
-                .map(|joint| BindingDraft {
-                    joint: Some(joint),
-                    bind_from_joint: DAffine3::from_translation(DVec3::Y * self.height(joint)),
-                })
-                .collect(),
-            meshes: vec![MeshDraft {
-                name: "capsule".to_owned(),
-                positions,
-                normals: Some(normals),
-                influence_counts: vec![self.influences as u32; vertices],
-                influences,
-                triangles,
-                ..MeshDraft::default()
-            }],
-            ..Draft::default()
-        };
-        Arc::new(draft.build(&Limits::default()).expect("a valid draft"))
+        let mut bindings = String::new();
+        for joint in 0..self.joints {
+            let height = self.height(joint);
+            let _ = writeln!(bindings, "matrix {{ 1 0 0 0 1 0 0 0 1 0 {height} 0 }}");
+        }
+        let (vertices, faces) = (self.vertex_count(), 2 * self.rings * self.segments);
+        format!(
+            "positions {vertices} {{ {positions} }} normals {vertices} {{ {normals} }} skinweights {vertices} {{ {weights} }}
+             triangles {faces} {{ {triangles} }} bindings {} {{ {bindings} }}",
+            self.joints
+        )
     }
 
     fn height(&self, joint: usize) -> f64 {
-        let length = 2.0 * (HALF + RADIUS);
-        length * ((joint as f64 + 0.5) / self.joints as f64 - 0.5)
-    }
-
-    fn joint(&self, joint: usize) -> JointDraft {
-        let below = joint.checked_sub(1).map_or(0.0, |below| self.height(below));
-        JointDraft {
-            name: String::new(),
-            parent: joint.checked_sub(1),
-            offset: DVec3::Y * (self.height(joint) - below),
-            rotation_order: RotationOrder::Zyx,
-            rest_angles: DVec3::ZERO,
-            rotation_limits: [Limit::NONE; 3],
-            translates: joint == 0,
-            bounding_box: None,
-        }
+        LENGTH * ((joint as f64 + 0.5) / self.joints as f64 - 0.5)
     }
 
     /// The joints about this height, the nearer the heavier.
-    fn influences_at(&self, y: f64) -> Vec<(u32, f64)> {
-        let length = 2.0 * (HALF + RADIUS);
-        let middle = (y / length + 0.5) * self.joints as f64;
+    fn influences_at(&self, y: f64) -> String {
+        let middle = (y / LENGTH + 0.5) * self.joints as f64;
         let first = (middle - self.influences as f64 / 2.0).round().max(0.0) as usize;
         let first = first.min(self.joints - self.influences);
+        let joints = first..first + self.influences;
         let weight = |joint: usize| 1.0 / (0.5 + (joint as f64 + 0.5 - middle).abs());
-        (first..first + self.influences)
-            .map(|joint| (joint as u32, weight(joint)))
-            .collect()
+        let sum: f64 = joints.clone().map(weight).sum();
+        let mut text = self.influences.to_string();
+        for joint in joints {
+            let _ = write!(text, " {joint} {:.6}", weight(joint) / sum);
+        }
+        text
     }
 }
+
+const LENGTH: f64 = 2.0 * (HALF + RADIUS);
 
 /// Outward and upward part of the normal, and the middle of the ring's sphere, from the top pole to the bottom one.
 fn profile(share: f64) -> (f64, f64, f64) {

@@ -1,8 +1,7 @@
 //! A frame as a PNG file. Never lives here: several frames in one file.
 
 use crate::frame::Frame;
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder, ImageError};
+use png::{BitDepth, ColorType, Encoder, EncodingError, Filter};
 
 /// How much time to spend on how small a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -17,22 +16,21 @@ pub enum Compression {
 ///
 /// # Errors
 /// Where the encoder cannot make one, which a frame within the limits does not bring about.
-pub fn png(frame: &Frame, compression: Compression) -> Result<Vec<u8>, ImageError> {
+pub fn png(frame: &Frame, compression: Compression) -> Result<Vec<u8>, EncodingError> {
     let (compression, filter) = match compression {
-        // On pictures of characters as small as choosing a filter for each row makes it, in a fifth of the time.
-        Compression::Fast => (CompressionType::Fast, FilterType::Paeth),
-        Compression::Default => (CompressionType::Default, FilterType::Adaptive),
-        Compression::Best => (CompressionType::Best, FilterType::Adaptive),
+        // On pictures of characters a sixth larger than with Paeth's filter, in two thirds of the time.
+        Compression::Fast => (png::Compression::Fastest, Filter::Up),
+        Compression::Default => (png::Compression::Balanced, Filter::Adaptive),
+        Compression::Best => (png::Compression::High, Filter::Adaptive),
     };
     // Pictures of characters shrink to well below a quarter; growing once from here is cheap.
     let mut file = Vec::with_capacity(frame.pixels.len() / 8 + 1024);
-    let encoder = PngEncoder::new_with_quality(&mut file, compression, filter);
-    encoder.write_image(
-        &frame.pixels,
-        frame.size.width,
-        frame.size.height,
-        ExtendedColorType::Rgba8,
-    )?;
+    let mut encoder = Encoder::new(&mut file, frame.size.width, frame.size.height);
+    encoder.set_color(ColorType::Rgba);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(compression);
+    encoder.set_filter(filter);
+    encoder.write_header()?.write_image_data(&frame.pixels)?;
     Ok(file)
 }
 

@@ -1,4 +1,4 @@
-//! Eight numbers at a time: vectors, transposition, and the two functions that a processor has no instruction for. Sums, products,
+//! Sixteen numbers at a time: vectors, transposition, and the two functions that a processor has no instruction for. Sums, products,
 //! quotients and roots only, each rounded once, so that every machine comes to the same bits: no fused multiply-add, no estimates.
 //! Never lives here: what the numbers stand for.
 //!
@@ -6,30 +6,33 @@
 //! one: it is marked `#[inline(always)]`, and has no closures that work on lanes, as those cannot be marked so.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x4, f32x8, i32x8};
+use fearless_simd::{f32x4, f32x16, i32x16};
 
-/// How many vertices, samples or fragments are worked on at once, on every machine.
-pub(super) const LANES: usize = 8;
+/// How many vertices, fragments or pixels are worked on at once, on every machine: twice or four times what most vector units hold, so
+/// that while one part waits for a quotient or a root another goes on.
+pub(super) const LANES: usize = 16;
+pub(super) type Lanes<S> = f32x16<S>;
+pub(super) type WholeLanes<S> = i32x16<S>;
 
-/// Eight vectors, component by component.
+/// As many vectors, component by component.
 #[derive(Clone, Copy)]
 pub(super) struct Vectors<S: Simd> {
-    pub x: f32x8<S>,
-    pub y: f32x8<S>,
-    pub z: f32x8<S>,
+    pub x: Lanes<S>,
+    pub y: Lanes<S>,
+    pub z: Lanes<S>,
 }
 
 impl<S: Simd> Vectors<S> {
     #[inline(always)]
     pub fn splat(simd: S, [x, y, z]: [f32; 3]) -> Self {
         Self {
-            x: f32x8::splat(simd, x),
-            y: f32x8::splat(simd, y),
-            z: f32x8::splat(simd, z),
+            x: Lanes::splat(simd, x),
+            y: Lanes::splat(simd, y),
+            z: Lanes::splat(simd, z),
         }
     }
 
-    /// The first eight of `vectors`; where there are fewer, the last one stands for the rest.
+    /// The first of `vectors`; where there are fewer than lanes, the last one stands for the rest.
     #[inline(always)]
     pub fn load(simd: S, vectors: &[[f32; 3]]) -> Self {
         let mut lanes = [[0.0; LANES]; 3];
@@ -39,13 +42,13 @@ impl<S: Simd> Vectors<S> {
         }
         let [x, y, z] = lanes;
         Self {
-            x: f32x8::load_array(simd, x),
-            y: f32x8::load_array(simd, y),
-            z: f32x8::load_array(simd, z),
+            x: Lanes::load_array(simd, x),
+            y: Lanes::load_array(simd, y),
+            z: Lanes::load_array(simd, z),
         }
     }
 
-    /// Over as many of the first eight of `vectors` as there are.
+    /// Over as many of the first of `vectors` as there are lanes.
     #[inline(always)]
     pub fn store(self, vectors: &mut [[f32; 3]]) {
         let (x, y, z) = (self.x.to_array(), self.y.to_array(), self.z.to_array());
@@ -55,7 +58,7 @@ impl<S: Simd> Vectors<S> {
     }
 
     #[inline(always)]
-    pub fn dot(self, other: Self) -> f32x8<S> {
+    pub fn dot(self, other: Self) -> Lanes<S> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
@@ -87,7 +90,7 @@ impl<S: Simd> Vectors<S> {
     }
 
     #[inline(always)]
-    pub fn times(self, factor: f32x8<S>) -> Self {
+    pub fn times(self, factor: Lanes<S>) -> Self {
         Self {
             x: self.x * factor,
             y: self.y * factor,
@@ -99,7 +102,7 @@ impl<S: Simd> Vectors<S> {
     #[inline(always)]
     pub fn unit_or(self, otherwise: Self) -> Self {
         let squared = self.dot(self);
-        let zero = f32x8::splat(squared.token(), 0.0);
+        let zero = Lanes::splat(squared.token(), 0.0);
         let unit = self.times(1.0 / squared.sqrt());
         // Also false for what is no number.
         let has_direction = squared.simd_gt(zero) & squared.simd_lt(f32::INFINITY);
@@ -111,28 +114,39 @@ impl<S: Simd> Vectors<S> {
     }
 }
 
-/// From eight rows of four to four columns of eight.
+/// From rows of four to four columns.
 #[inline(always)]
-pub(super) fn transposed<S: Simd>(rows: [f32x4<S>; LANES]) -> [f32x8<S>; 4] {
-    let [a, b, c, d, e, f, g, h] = rows;
-    let [x, y, z, w] = square([a, b, c, d]);
-    let [more_x, more_y, more_z, more_w] = square([e, f, g, h]);
-    [
-        x.combine(more_x),
-        y.combine(more_y),
-        z.combine(more_z),
-        w.combine(more_w),
-    ]
+pub(super) fn transposed<S: Simd>(rows: [f32x4<S>; LANES]) -> [Lanes<S>; 4] {
+    let [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p] = rows;
+    let first = square([a, b, c, d]);
+    let second = square([e, f, g, h]);
+    let third = square([i, j, k, l]);
+    let last = square([m, n, o, p]);
+    let mut columns = [Lanes::splat(a.token(), 0.0); 4];
+    for column in 0..4 {
+        let low = first[column].combine(second[column]);
+        columns[column] = low.combine(third[column].combine(last[column]));
+    }
+    columns
 }
 
-/// From four columns of eight to eight rows of four.
+/// From four columns to rows of four.
 #[inline(always)]
-pub(super) fn rows_of<S: Simd>([x, y, z, w]: [f32x8<S>; 4]) -> [f32x4<S>; LANES] {
-    let ((x, more_x), (y, more_y)) = (x.split(), y.split());
-    let ((z, more_z), (w, more_w)) = (z.split(), w.split());
-    let [a, b, c, d] = square([x, y, z, w]);
-    let [e, f, g, h] = square([more_x, more_y, more_z, more_w]);
-    [a, b, c, d, e, f, g, h]
+pub(super) fn rows_of<S: Simd>([x, y, z, w]: [Lanes<S>; 4]) -> [f32x4<S>; LANES] {
+    let ([x0, x1, x2, x3], [y0, y1, y2, y3]) = (quarters(x), quarters(y));
+    let ([z0, z1, z2, z3], [w0, w1, w2, w3]) = (quarters(z), quarters(w));
+    let [a, b, c, d] = square([x0, y0, z0, w0]);
+    let [e, f, g, h] = square([x1, y1, z1, w1]);
+    let [i, j, k, l] = square([x2, y2, z2, w2]);
+    let [m, n, o, p] = square([x3, y3, z3, w3]);
+    [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p]
+}
+
+#[inline(always)]
+fn quarters<S: Simd>(lanes: Lanes<S>) -> [f32x4<S>; 4] {
+    let (low, high) = lanes.split();
+    let ((a, b), (c, d)) = (low.split(), high.split());
+    [a, b, c, d]
 }
 
 #[inline(always)]
@@ -149,71 +163,69 @@ fn square<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 4] {
 
 /// Held between 0 and 1; 0 of what is no number, which maximum and minimum do not say the same of on every machine.
 #[inline(always)]
-pub(super) fn held<S: Simd>(x: f32x8<S>) -> f32x8<S> {
-    let zero = f32x8::splat(x.token(), 0.0);
+pub(super) fn held<S: Simd>(x: Lanes<S>) -> Lanes<S> {
+    let zero = Lanes::splat(x.token(), 0.0);
     x.simd_gt(zero).select(x, zero).min(1.0)
 }
 
 /// `base` to the power of `exponent`, for a base from 0 to 1 or a little more; anything to the power of 0 is 1.
 #[inline(always)]
-pub(super) fn power<S: Simd>(base: f32x8<S>, exponent: f32) -> f32x8<S> {
+pub(super) fn power<S: Simd>(base: Lanes<S>, exponent: f32) -> Lanes<S> {
     if exponent == 0.0 {
-        return f32x8::splat(base.token(), 1.0);
+        return Lanes::splat(base.token(), 1.0);
     }
     exp2(log2(base) * exponent)
 }
 
-/// The logarithm to base 2 of a positive number; about −127 for 0. Coefficients are those of Cephes' `logf`.
+/// The logarithm to base 2 of a positive number; about −127 for 0. Coefficients are those of Cephes' `logf`, lowest power first.
 #[inline(always)]
-fn log2<S: Simd>(x: f32x8<S>) -> f32x8<S> {
+fn log2<S: Simd>(x: Lanes<S>) -> Lanes<S> {
     const SERIES: [f32; 9] = [
-        7.037_683_6e-2,
-        -1.151_461e-1,
-        1.167_699_9e-1,
-        -1.242_014_1e-1,
-        1.424_932_3e-1,
-        -1.666_805_7e-1,
-        2.000_071_5e-1,
-        -2.499_999_4e-1,
         3.333_333e-1,
+        -2.499_999_4e-1,
+        2.000_071_5e-1,
+        -1.666_805_7e-1,
+        1.424_932_3e-1,
+        -1.242_014_1e-1,
+        1.167_699_9e-1,
+        -1.151_461e-1,
+        7.037_683_6e-2,
     ];
     const SQRT_HALF_BITS: i32 = 0x3f35_04f3;
-    const ONE_BITS: i32 = 0x3f80_0000;
-    let bits: i32x8<S> = x.bitcast();
+    let bits: WholeLanes<S> = x.bitcast();
     // x = mantissa · 2^exponent, the mantissa from √½ to √2.
     let exponent = (bits - SQRT_HALF_BITS) >> 23;
-    let mantissa: f32x8<S> = (bits - (exponent << 23)).bitcast();
-    debug_assert_eq!(f32::to_bits(1.0) as i32, ONE_BITS);
+    let mantissa: Lanes<S> = (bits - (exponent << 23)).bitcast();
     let off = mantissa - 1.0;
     let squared = off * off;
-    let mut series = f32x8::splat(x.token(), SERIES[0]);
-    for coefficient in &SERIES[1..] {
-        series = series * off + *coefficient;
-    }
-    let natural = off - squared * 0.5 + series * off * squared;
-    natural * std::f32::consts::LOG2_E + exponent.to_float::<f32x8<S>>()
+    let fourth = squared * squared;
+    // In pairs, so that no sum waits for all the others (Estrin's scheme).
+    let low = off * SERIES[1] + SERIES[0] + (off * SERIES[3] + SERIES[2]) * squared;
+    let high = off * SERIES[5] + SERIES[4] + (off * SERIES[7] + SERIES[6]) * squared;
+    let series = low + (high + fourth * SERIES[8]) * fourth;
+    let natural = off - squared * 0.5 + series * (off * squared);
+    natural * std::f32::consts::LOG2_E + exponent.to_float::<Lanes<S>>()
 }
 
-/// 2 to the power of x, held within what a normal number can be. Coefficients are those of Cephes' `exp2f`.
+/// 2 to the power of x, held within what a normal number can be. Coefficients are those of Cephes' `exp2f`, lowest power first.
 #[inline(always)]
-fn exp2<S: Simd>(x: f32x8<S>) -> f32x8<S> {
+fn exp2<S: Simd>(x: Lanes<S>) -> Lanes<S> {
     const SERIES: [f32; 6] = [
-        1.535_336_2e-4,
-        1.339_887_4e-3,
-        9.618_437e-3,
-        5.550_332_4e-2,
-        2.402_264_8e-1,
         6.931_472e-1,
+        2.402_264_8e-1,
+        5.550_332_4e-2,
+        9.618_437e-3,
+        1.339_887_4e-3,
+        1.535_336_2e-4,
     ];
     let held = x.max(-126.0).min(126.0);
     let whole = held.round_ties_even();
     let off = held - whole;
-    let mut series = f32x8::splat(x.token(), SERIES[0]);
-    for coefficient in &SERIES[1..] {
-        series = series * off + *coefficient;
-    }
-    let bits: i32x8<S> = (series * off + 1.0).bitcast();
-    (bits + (whole.to_int::<i32x8<S>>() << 23)).bitcast()
+    let squared = off * off;
+    let low = off * SERIES[1] + SERIES[0] + (off * SERIES[3] + SERIES[2]) * squared;
+    let series = low + (off * SERIES[5] + SERIES[4]) * (squared * squared);
+    let bits: WholeLanes<S> = (series * off + 1.0).bitcast();
+    (bits + (whole.to_int::<WholeLanes<S>>() << 23)).bitcast()
 }
 
 #[cfg(test)]
@@ -222,7 +234,7 @@ mod tests {
     use fearless_simd::{Level, dispatch};
 
     fn powers(bases: [f32; LANES], exponent: f32) -> [f32; LANES] {
-        dispatch!(Level::new(), simd => power(f32x8::load_array(simd, bases), exponent).to_array())
+        dispatch!(Level::new(), simd => power(Lanes::load_array(simd, bases), exponent).to_array())
     }
 
     #[test]
@@ -251,13 +263,15 @@ mod tests {
     #[test]
     fn rows_become_columns() {
         let columns = dispatch!(Level::new(), simd => {
-            let rows = [0, 1, 2, 3, 4, 5, 6, 7].map(|row| {
+            let rows = std::array::from_fn(|row| {
                 f32x4::load_array(simd, [0.0, 1.0, 2.0, 3.0].map(|column: f32| column + 10.0 * row as f32))
             });
             transposed(rows).map(|column| column.to_array())
         });
         for (at, column) in columns.iter().enumerate() {
-            let wanted: Vec<f32> = (0..8).map(|row| at as f32 + 10.0 * row as f32).collect();
+            let wanted: Vec<f32> = (0..LANES)
+                .map(|row| at as f32 + 10.0 * row as f32)
+                .collect();
             assert_eq!(column[..], wanted);
         }
     }

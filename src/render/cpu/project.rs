@@ -1,10 +1,10 @@
 //! From world space onto the picture, in fixed point: what is drawn is decided by whole numbers, so that neighbouring triangles agree
 //! about every sample of the edge between them. Never lives here: which samples those are.
 
-use super::lanes::{LANES, Vectors};
+use super::lanes::{LANES, Lanes, Vectors, WholeLanes};
 use crate::render::view::View;
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch, f32x8, i32x8};
+use fearless_simd::{Level, dispatch};
 
 /// Steps of a fixed-point coordinate to a pixel, as GPUs have them.
 pub(super) const STEPS: i32 = 256;
@@ -71,7 +71,7 @@ impl Projection {
         });
     }
 
-    /// One point, with the numbers that eight at a time come to.
+    /// One point, with the numbers that many at a time come to.
     pub fn clip_of(&self, [x, y, z]: [f32; 3]) -> [f32; 4] {
         let [a, b, c, d] = self.clip_from_world;
         [0, 1, 2, 3].map(|row| a[row] * x + b[row] * y + c[row] * z + d[row])
@@ -118,7 +118,7 @@ impl Projection {
     }
 
     #[inline(always)]
-    fn clip<S: Simd>(&self, Vectors { x, y, z }: Vectors<S>) -> [f32x8<S>; 4] {
+    fn clip<S: Simd>(&self, Vectors { x, y, z }: Vectors<S>) -> [Lanes<S>; 4] {
         let [a, b, c, d] = self.clip_from_world;
         let mut clip = [x; 4];
         for row in 0..4 {
@@ -128,7 +128,7 @@ impl Projection {
     }
 
     #[inline(always)]
-    fn place<S: Simd>(&self, [x, y, z, w]: [f32x8<S>; 4]) -> Places<S> {
+    fn place<S: Simd>(&self, [x, y, z, w]: [Lanes<S>; 4]) -> Places<S> {
         let inverse_w = 1.0 / w;
         let [half_width, half_height] = self.half_size;
         let pixel_x = x * inverse_w * half_width + half_width;
@@ -140,7 +140,7 @@ impl Projection {
             & pixel_x.simd_le(high)
             & pixel_y.simd_ge(low)
             & pixel_y.simd_le(high);
-        let beyond = i32x8::splat(w.token(), i32::MIN);
+        let beyond = WholeLanes::splat(w.token(), i32::MIN);
         Places {
             x: is_inside.select(in_steps(pixel_x), beyond),
             y: is_inside.select(in_steps(pixel_y), beyond),
@@ -153,18 +153,18 @@ impl Projection {
 }
 
 #[inline(always)]
-fn in_steps<S: Simd>(pixel: f32x8<S>) -> i32x8<S> {
+fn in_steps<S: Simd>(pixel: Lanes<S>) -> WholeLanes<S> {
     (pixel * STEPS as f32).round_ties_even().to_int()
 }
 
-/// Eight vertices.
+/// As many vertices as there are lanes.
 struct Places<S: Simd> {
-    x: i32x8<S>,
-    y: i32x8<S>,
-    pixel_x: f32x8<S>,
-    pixel_y: f32x8<S>,
-    depth: f32x8<S>,
-    inverse_w: f32x8<S>,
+    x: WholeLanes<S>,
+    y: WholeLanes<S>,
+    pixel_x: Lanes<S>,
+    pixel_y: Lanes<S>,
+    depth: Lanes<S>,
+    inverse_w: Lanes<S>,
 }
 
 impl<S: Simd> Places<S> {

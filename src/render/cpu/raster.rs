@@ -7,16 +7,16 @@
 //! triangle whose top or left edge that is, so that of two triangles at an edge exactly one has it.
 //!
 //! Samples lie on a grid of eighths of a pixel, 32 steps apart. In eighths (i, j) the function is `32·(dx·j − dy·i) + C`, which is at
-//! least 0 just where `dx·j − dy·i + ⌊C / 32⌋` is. At a block of 8 x 8 pixels this is evaluated at the block's corner in 64 bits; then
-//! either the whole block lies on one side, or the function is so small in all of it that 32 bits hold it, eight samples at a time.
+//! least 0 just where `dx·j − dy·i + ⌊C / 32⌋` is. This is evaluated at a corner in 64 bits. Over a small triangle it is so small that 32
+//! bits hold it, eight samples at a time. A larger one goes by blocks of 8 x 8 pixels: either a whole block lies on one side of an edge,
+//! or the function is small in all of the block.
 
 use super::bin::{Rectangle, doubled_area};
 use super::geometry::Layer;
-use super::lanes::LANES;
 use super::project::{Projected, STEPS};
-use super::samples::{BLOCK, BLOCK_COLUMNS, EIGHTHS, Pattern, STEPS_IN_EIGHTH, TileSamples};
+use super::samples::{BLOCK, EIGHTHS, GROUP, Pattern, STEPS_IN_EIGHTH, TileSamples};
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, i32x8, u32x8};
+use fearless_simd::{f32x8, i32x8, mask32x8, u32x8};
 
 /// Where eight samples that lie side by side in a block are, from the upper left corner of the first one's pixel.
 #[derive(Clone, Copy)]
@@ -35,8 +35,8 @@ impl<S: Simd> Footprint<S> {
     #[inline(always)]
     pub fn of(simd: S, pattern: Pattern) -> Self {
         let positions = pattern.positions();
-        let mut eighths = [[0; LANES]; 2];
-        for lane in 0..LANES {
+        let mut eighths = [[0; GROUP]; 2];
+        for lane in 0..GROUP {
             let [x, y] = positions[lane % positions.len()];
             eighths[0][lane] = x + EIGHTHS * (lane / positions.len()) as i32;
             eighths[1][lane] = y;
@@ -48,7 +48,7 @@ impl<S: Simd> Footprint<S> {
             y,
             pixel_x: x.to_float::<f32x8<S>>() * (1.0 / EIGHTHS as f32),
             pixel_y: y.to_float::<f32x8<S>>() * (1.0 / EIGHTHS as f32),
-            pixels: (LANES / positions.len()) as u32,
+            pixels: (GROUP / positions.len()) as u32,
         }
     }
 }
@@ -88,16 +88,15 @@ impl Edge {
 enum Across {
     Outside,
     Inside,
-    /// Its function at the upper left corner.
-    Through(i32),
+    Through,
 }
 
 impl Edge {
+    /// `at_corner` is its function at the block's upper left corner.
     #[inline(always)]
-    fn across(&self, corner: [u32; 2]) -> Across {
+    fn across(&self, at_corner: i64) -> Across {
         /// The furthest that a sample lies from the corner, in eighths.
         const REACH: i64 = (BLOCK as i32 * EIGHTHS - 1) as i64;
-        let at_corner = self.at(corner);
         let (dx, dy) = (i64::from(self.dx), i64::from(self.dy));
         if at_corner + REACH * (dx.max(0) + (-dy).max(0)) < 0 {
             Across::Outside
@@ -105,7 +104,7 @@ impl Edge {
             Across::Inside
         } else {
             // Of either sign within the block, so no larger than `REACH · (|dx| + |dy|)`, which the guard band keeps below 2^30.
-            Across::Through(at_corner as i32)
+            Across::Through
         }
     }
 }
@@ -187,6 +186,8 @@ pub(super) fn draw<S: Simd>(
     corners: [Projected; 3],
     reached: Rectangle,
 ) {
+    /// Pixels: of a triangle that is no longer no edge function exceeds `2 · 64 · 8 · 64 · 256`, which is 2^24, within its rectangle.
+    const SMALL: u32 = 64;
     let [a, b, c] = corners;
     let [a, b, c] = if doubled_area(corners) > 0 {
         [a, b, c]
@@ -196,81 +197,43 @@ pub(super) fn draw<S: Simd>(
     let edges = [Edge::new(a, b), Edge::new(b, c), Edge::new(c, a)];
     let slope = Slope::of([a, b, c]);
     let (db, dc) = (b.depth - a.depth, c.depth - a.depth);
-    let depth = Depth {
-        origin: slope.origin,
-        at_origin: a.depth,
-        by_x: db * slope.by_x[0] + dc * slope.by_x[1],
-        by_y: db * slope.by_y[0] + dc * slope.by_y[1],
+    let mut walk = Walk {
+        footprint,
+        tile,
+        corner,
+        layer,
+        number,
+        depth: Depth {
+            origin: slope.origin,
+            at_origin: a.depth,
+            by_x: db * slope.by_x[0] + dc * slope.by_x[1],
+            by_y: db * slope.by_y[0] + dc * slope.by_y[1],
+        },
     };
-    let simd = footprint.x.token();
-    let of_samples = [
-        footprint.y * edges[0].dx - footprint.x * edges[0].dy,
-        footprint.y * edges[1].dx - footprint.x * edges[1].dy,
-        footprint.y * edges[2].dx - footprint.x * edges[2].dy,
-    ];
-    let blocks = |axis: usize| {
-        (reached.min[axis] - corner[axis]) / BLOCK..=(reached.max[axis] - corner[axis]) / BLOCK
-    };
-    for block_row in blocks(1) {
-        for block_column in blocks(0) {
-            let at = [
-                corner[0] + block_column * BLOCK,
-                corner[1] + block_row * BLOCK,
-            ];
-            let mut at_corner = [0; 3];
-            let mut by_edge = [(0, 0); 3];
-            let mut lanes = [i32x8::splat(simd, 0); 3];
+    let is_small = |[a, b, c]: [i32; 3]| a.max(b).max(c) - a.min(b).min(c) <= SMALL as i32 * STEPS;
+    if is_small([a.x, b.x, c.x]) && is_small([a.y, b.y, c.y]) {
+        let [a, b, c] = edges;
+        return walk.rectangle([Some(a), Some(b), Some(c)], reached);
+    }
+    let blocks = |axis: usize| reached.min[axis] / BLOCK..=reached.max[axis] / BLOCK;
+    for row in blocks(1) {
+        for column in blocks(0) {
+            let at = [column * BLOCK, row * BLOCK];
+            let mut through = [None; 3];
             let mut is_outside = false;
-            for (index, edge) in edges.iter().enumerate() {
-                match edge.across(at.map(|pixel| pixel * EIGHTHS as u32)) {
+            for (through, edge) in through.iter_mut().zip(edges) {
+                match edge.across(edge.at(at.map(|pixel| pixel * EIGHTHS as u32))) {
                     Across::Outside => is_outside = true,
-                    // Stays 0 and so inside.
                     Across::Inside => {}
-                    Across::Through(value) => {
-                        at_corner[index] = value;
-                        by_edge[index] = (EIGHTHS * edge.dx, -EIGHTHS * edge.dy);
-                        lanes[index] = of_samples[index];
-                    }
+                    Across::Through => *through = Some(edge),
                 }
             }
-            if is_outside {
-                continue;
-            }
-            let samples = tile.block((block_row * BLOCK_COLUMNS + block_column) as usize, layer);
-            // The part of the block that is reached, in pixels from its corner.
-            let [left, top] = [0, 1].map(|axis| reached.min[axis].max(at[axis]) - at[axis]);
-            let [right, bottom] = [0, 1].map(|axis| (reached.max[axis] - at[axis]).min(BLOCK - 1));
-            let groups = BLOCK / footprint.pixels;
-            for row in top..=bottom {
-                let y =
-                    f32x8::splat(simd, (at[1] + row) as f32) + footprint.pixel_y - depth.origin[1];
-                let of_row = y * depth.by_y + depth.at_origin;
-                for group in left / footprint.pixels..=right / footprint.pixels {
-                    let column = group * footprint.pixels;
-                    let mut inside = [0; 3];
-                    for edge in 0..3 {
-                        let (down, right) = by_edge[edge];
-                        inside[edge] = at_corner[edge] + down * row as i32 + right * column as i32;
-                    }
-                    let [first, second, third] = inside;
-                    let outside = (lanes[0] + first) | (lanes[1] + second) | (lanes[2] + third);
-                    // Negative where any is.
-                    let covered = outside.simd_ge(0);
-                    if !covered.any_true() {
-                        continue;
-                    }
-                    let index = (row * groups + group) as usize;
-                    let x = f32x8::splat(simd, (at[0] + column) as f32) + footprint.pixel_x
-                        - depth.origin[0];
-                    let found = x * depth.by_x + of_row;
-                    let there = f32x8::load_array(simd, samples.depth[index]);
-                    let wins = covered & found.simd_gt(there);
-                    let shown = u32x8::load_array(simd, samples.triangle[index]);
-                    wins.select(found, there)
-                        .store_array(&mut samples.depth[index]);
-                    wins.select(u32x8::splat(simd, number), shown)
-                        .store_array(&mut samples.triangle[index]);
-                }
+            if !is_outside {
+                let within = Rectangle {
+                    min: [0, 1].map(|axis| reached.min[axis].max(at[axis])),
+                    max: [0, 1].map(|axis| reached.max[axis].min(at[axis] + BLOCK - 1)),
+                };
+                walk.rectangle(through, within);
             }
         }
     }
@@ -283,4 +246,72 @@ struct Depth {
     at_origin: f32,
     by_x: f32,
     by_y: f32,
+}
+
+/// A triangle on its way through the samples of a tile.
+struct Walk<'a, S: Simd> {
+    footprint: &'a Footprint<S>,
+    tile: &'a mut TileSamples,
+    corner: [u32; 2],
+    layer: Layer,
+    number: u32,
+    depth: Depth,
+}
+
+impl<S: Simd> Walk<'_, S> {
+    /// Every sample of the pixels of `within`, as far as it is inside of those edges that are given. 32 bits hold their functions there.
+    #[inline(always)]
+    fn rectangle(&mut self, edges: [Option<Edge>; 3], within: Rectangle) {
+        let footprint = *self.footprint;
+        let simd = footprint.x.token();
+        // Groups of samples start at every so many pixels, of tiles too.
+        let left = within.min[0] / footprint.pixels * footprint.pixels;
+        let mut of_row = [i32x8::splat(simd, 0); 3];
+        let mut down = [0; 3];
+        let mut right = [0; 3];
+        for index in 0..3 {
+            // Without an edge all stays 0, and so inside.
+            if let Some(edge) = edges[index] {
+                let at_left = edge.at([left * EIGHTHS as u32, within.min[1] * EIGHTHS as u32]);
+                of_row[index] = footprint.y * edge.dx - footprint.x * edge.dy + at_left as i32;
+                down[index] = EIGHTHS * edge.dx;
+                right[index] = -EIGHTHS * footprint.pixels as i32 * edge.dy;
+            }
+        }
+        let [mut row_a, mut row_b, mut row_c] = of_row;
+        let depth = self.depth;
+        let first_x = footprint.pixel_x + (left as f32 - depth.origin[0]);
+        for y in within.min[1]..=within.max[1] {
+            let (mut a, mut b, mut c) = (row_a, row_b, row_c);
+            let from_top = footprint.pixel_y + (y as f32 - depth.origin[1]);
+            let depth_of_row = from_top * depth.by_y + depth.at_origin;
+            let mut x = left;
+            while x <= within.max[0] {
+                // Negative where any of them is.
+                let covered = (a | b | c).simd_ge(0);
+                if covered.any_true() {
+                    let from_left = first_x + (x - left) as f32;
+                    let nearness = from_left * depth.by_x + depth_of_row;
+                    self.show([x, y], covered, nearness);
+                }
+                (a, b, c) = (a + right[0], b + right[1], c + right[2]);
+                x += footprint.pixels;
+            }
+            (row_a, row_b, row_c) = (row_a + down[0], row_b + down[1], row_c + down[2]);
+        }
+    }
+
+    /// The triangle at those samples of a group that it covers and is nearest at.
+    #[inline(always)]
+    fn show(&mut self, pixel: [u32; 2], covered: mask32x8<S>, nearness: f32x8<S>) {
+        let simd = nearness.token();
+        let of_tile = [pixel[0] - self.corner[0], pixel[1] - self.corner[1]];
+        let group = self.tile.group(of_tile, self.layer);
+        let there = f32x8::load_array(simd, *group.depth);
+        let shown = u32x8::load_array(simd, *group.triangle);
+        let wins = covered & nearness.simd_gt(there);
+        let number = u32x8::splat(simd, self.number);
+        wins.select(nearness, there).store_array(group.depth);
+        wins.select(number, shown).store_array(group.triangle);
+    }
 }

@@ -1,11 +1,11 @@
 //! Stages 4 and 5, blend and resolve: the twin of `shaders/resolve.wgsl`. Samples of a pixel are averaged, layers laid over each other,
 //! and the outcome is encoded as sRGB.
 
-use super::lanes::{LANES, held, power, transposed};
+use super::lanes::{LANES, Lanes, held, power, transposed};
 use super::samples::BLOCK_PIXELS;
 use super::shade::Fragments;
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x4, f32x8, u32x8};
+use fearless_simd::{f32x4, u32x16};
 
 /// Sums over the samples of each pixel of a block: linear red, green and blue, and how many there are.
 pub(super) struct Sums([[f32; 4]; BLOCK_PIXELS]);
@@ -21,13 +21,13 @@ impl Sums {
         *self = Self::default();
     }
 
-    /// Of a row of eight pixels, channel by channel.
+    /// Of some of the block's rows, channel by channel.
     #[inline(always)]
-    fn row<S: Simd>(&self, simd: S, row: usize) -> [f32x8<S>; 4] {
-        let of_row = &self.0.as_chunks::<LANES>().0[row];
+    fn rows<S: Simd>(&self, simd: S, rows: usize) -> [Lanes<S>; 4] {
+        let of_rows = &self.0.as_chunks::<LANES>().0[rows];
         let mut pixels = [f32x4::splat(simd, 0.0); LANES];
         for lane in 0..LANES {
-            pixels[lane] = f32x4::load_array(simd, of_row[lane]);
+            pixels[lane] = f32x4::load_array(simd, of_rows[lane]);
         }
         transposed(pixels)
     }
@@ -55,25 +55,25 @@ pub(super) struct Resolve {
 }
 
 impl Resolve {
-    /// A row of eight pixels, RGBA8 each, the first byte lowest.
+    /// As many pixels of a block, row by row, as there are lanes: RGBA8 each, the first byte lowest. `rows` counts by that many.
     #[inline(always)]
-    pub fn row<S: Simd>(
+    pub fn rows<S: Simd>(
         &self,
         simd: S,
         base: &Sums,
         skin: Option<&Sums>,
-        row: usize,
+        rows: usize,
     ) -> [u32; LANES] {
         let share = 1.0 / self.sample_count as f32;
         // The background shows at samples that nothing covers.
-        let mut color = base.row(simd, row);
+        let mut color = base.rows(simd, rows);
         let uncovered = self.sample_count as f32 - color[3];
         for (channel, behind) in color.iter_mut().zip(self.background) {
             *channel = (*channel + uncovered * behind) * share;
         }
         if let Some(skin) = skin {
             let opacity = self.opacity * share;
-            let over = skin.row(simd, row);
+            let over = skin.rows(simd, rows);
             let through = 1.0 - over[3] * opacity;
             for channel in 0..4 {
                 color[channel] = over[channel] * opacity + color[channel] * through;
@@ -85,15 +85,15 @@ impl Resolve {
     /// A pixel that nothing covers.
     #[inline(always)]
     pub fn empty<S: Simd>(&self, simd: S) -> u32 {
-        self.row(simd, &Sums::default(), None, 0)[0]
+        self.rows(simd, &Sums::default(), None, 0)[0]
     }
 }
 
 /// From premultiplied linear color to straight sRGB.
 #[inline(always)]
-fn encoded<S: Simd>([r, g, b, alpha]: [f32x8<S>; 4]) -> u32x8<S> {
+fn encoded<S: Simd>([r, g, b, alpha]: [Lanes<S>; 4]) -> u32x16<S> {
     let is_there = alpha.simd_gt(0.0);
-    let zero = f32x8::splat(alpha.token(), 0.0);
+    let zero = Lanes::splat(alpha.token(), 0.0);
     let divisor = alpha.max(1e-6);
     let red = byte(srgb(is_there.select(r / divisor, zero)));
     let green = byte(srgb(is_there.select(g / divisor, zero)));
@@ -103,13 +103,13 @@ fn encoded<S: Simd>([r, g, b, alpha]: [f32x8<S>; 4]) -> u32x8<S> {
 
 /// From 0..1 to the nearest of 0..255.
 #[inline(always)]
-fn byte<S: Simd>(number: f32x8<S>) -> u32x8<S> {
+fn byte<S: Simd>(number: Lanes<S>) -> u32x16<S> {
     (held(number) * 255.0 + 0.5).to_int()
 }
 
 /// IEC 61966-2-1.
 #[inline(always)]
-fn srgb<S: Simd>(linear: f32x8<S>) -> f32x8<S> {
+fn srgb<S: Simd>(linear: Lanes<S>) -> Lanes<S> {
     let curved = power(linear, 1.0 / 2.4) * 1.055 - 0.055;
     linear.simd_le(0.003_130_8).select(linear * 12.92, curved)
 }

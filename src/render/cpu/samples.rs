@@ -2,12 +2,13 @@
 
 use super::bin::TILE;
 use super::geometry::Layer;
-use super::lanes::LANES;
 use crate::scene::Samples;
 
 /// Pixels of a block's side. A tile is made of blocks, whose samples lie one behind the other.
 pub(super) const BLOCK: u32 = 8;
 pub(super) const BLOCK_PIXELS: usize = (BLOCK * BLOCK) as usize;
+/// Samples that are tested at once.
+pub(super) const GROUP: usize = 8;
 /// Blocks in a row of a tile.
 pub(super) const BLOCK_COLUMNS: u32 = TILE[0] / BLOCK;
 const BLOCKS: usize = (BLOCK_COLUMNS * TILE[1] / BLOCK) as usize;
@@ -90,10 +91,10 @@ impl Default for TileSamples {
     }
 }
 
-/// The samples of a block that one layer is drawn into.
-pub(super) struct BlockSamples<'a> {
-    pub depth: &'a mut [[f32; LANES]],
-    pub triangle: &'a mut [[u32; LANES]],
+/// Samples that are tested at once, of one layer.
+pub(super) struct Group<'a> {
+    pub depth: &'a mut [f32; GROUP],
+    pub triangle: &'a mut [u32; GROUP],
 }
 
 impl TileSamples {
@@ -107,25 +108,33 @@ impl TileSamples {
         self.skin.resize(samples, NONE);
     }
 
-    /// To be drawn into.
+    /// The group of a pixel of the tile and those beside it, to be drawn into. A group never leaves its block.
     #[inline(always)]
-    pub fn block(&mut self, block: usize, layer: Layer) -> BlockSamples<'_> {
-        let length = BLOCK_PIXELS * self.pattern.count();
-        let range = block * length..(block + 1) * length;
+    pub fn group(&mut self, [x, y]: [u32; 2], layer: Layer) -> Group<'_> {
+        let samples = self.pattern.count();
+        let block = (y / BLOCK * BLOCK_COLUMNS + x / BLOCK) as usize;
         if !self.touched[block] {
-            self.touched[block] = true;
-            self.depth[range.clone()].fill(0.0);
-            self.base[range.clone()].fill(NONE);
-            self.skin[range.clone()].fill(NONE);
+            self.touch(block);
         }
+        let pixel = (y % BLOCK * BLOCK + x % BLOCK) as usize;
+        let index = (block * BLOCK_PIXELS + pixel) * samples / GROUP;
         let triangle = match layer {
             Layer::Base => &mut self.base,
             Layer::Skin => &mut self.skin,
         };
-        BlockSamples {
-            depth: self.depth[range.clone()].as_chunks_mut().0,
-            triangle: triangle[range].as_chunks_mut().0,
+        Group {
+            depth: &mut self.depth.as_chunks_mut().0[index],
+            triangle: &mut triangle.as_chunks_mut().0[index],
         }
+    }
+
+    fn touch(&mut self, block: usize) {
+        let length = BLOCK_PIXELS * self.pattern.count();
+        let range = block * length..(block + 1) * length;
+        self.touched[block] = true;
+        self.depth[range.clone()].fill(0.0);
+        self.base[range.clone()].fill(NONE);
+        self.skin[range].fill(NONE);
     }
 
     /// Of each sample of a block which triangle it shows; `None` where nothing was drawn.

@@ -1,9 +1,9 @@
-//! Stage 3, shade: the twin of `shaders/light.wgsl`, for eight fragments at a time. A fragment is what a triangle shows of one pixel.
+//! Stage 3, shade: the twin of `shaders/light.wgsl`, for many fragments at a time. A fragment is what a triangle shows of one pixel.
 
-use super::lanes::{LANES, Vectors, held, power, rows_of, transposed};
+use super::lanes::{LANES, Lanes, Vectors, held, power, rows_of, transposed};
 use crate::render::view::View;
+use fearless_simd::f32x4;
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x4, f32x8};
 use glam::Vec4;
 
 /// What a triangle shows of a pixel.
@@ -86,7 +86,7 @@ pub(super) fn shade<S: Simd>(simd: S, view: &View, fragments: &mut Fragments) {
             is_lit.select(lit.x, red),
             is_lit.select(lit.y, green),
             is_lit.select(lit.z, blue),
-            f32x8::splat(simd, 1.0),
+            Lanes::splat(simd, 1.0),
         ]);
         let into = &mut fragments.color.as_chunks_mut::<LANES>().0[group];
         for lane in 0..LANES {
@@ -104,7 +104,7 @@ fn blinn_phong<S: Simd>(
     normal: Vectors<S>,
     diffuse: Vectors<S>,
 ) -> Vectors<S> {
-    let zero = f32x8::splat(simd, 0.0);
+    let zero = Lanes::splat(simd, 0.0);
     let nothing = Vectors::splat(simd, [0.0; 3]);
     let toward_eye = toward(view.eye_in_world, position).unit_or(nothing);
     // A surface without a normal faces the eye.
@@ -136,7 +136,7 @@ fn blinn_phong<S: Simd>(
             let distance_squared = to_light.dot(to_light);
             1.0 / distance_squared.max(view.least_distance_squared)
         } else {
-            f32x8::splat(simd, 1.0)
+            Lanes::splat(simd, 1.0)
         };
         let strength = is_lit.select(strength, zero);
         let scattered = n_dot_l * strength;
@@ -169,5 +169,5 @@ fn blinn_phong<S: Simd>(
 fn toward<S: Simd>(point: Vec4, position: Vectors<S>) -> Vectors<S> {
     let simd = position.x.token();
     let [x, y, z, w] = point.to_array();
-    Vectors::splat(simd, [x, y, z]).minus(position.times(f32x8::splat(simd, w)))
+    Vectors::splat(simd, [x, y, z]).minus(position.times(Lanes::splat(simd, w)))
 }

@@ -1,11 +1,11 @@
 //! Stage 1, skin: the twin of `shaders/skin*.wgsl`; the rules stand in [`Plan`](crate::render::Plan)'s module. Influences are blended
-//! one vertex after another, four numbers of a row at a time; what comes out is turned over to eight vertices at a time.
+//! one vertex after another, four numbers of a row at a time; what comes out is turned over to as many vertices at a time as there are lanes.
 
-use super::lanes::{LANES, Vectors, transposed};
+use super::lanes::{LANES, Lanes, Vectors, transposed};
 use crate::pose::Palette;
 use crate::rig::{Influence, Mesh};
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch, f32x4, f32x8};
+use fearless_simd::{Level, dispatch, f32x4};
 use glam::Vec4;
 
 /// Positions and unit normals in world space, of every vertex of `mesh` in its own order. `palette` and `morph_weights` are of its rig.
@@ -99,13 +99,13 @@ impl SkinJob<'_> {
         }
     }
 
-    /// The mean of the palette's entries that each vertex follows, by weight: `ROWS` rows of four columns of eight.
+    /// The mean of the palette's entries that each vertex follows, by weight: `ROWS` rows of four columns.
     #[inline(always)]
     fn blended<S: Simd, const ROWS: usize>(
         &self,
         simd: S,
         vertices: [usize; LANES],
-    ) -> [[f32x8<S>; 4]; ROWS] {
+    ) -> [[Lanes<S>; 4]; ROWS] {
         let rows = self.palette.rows();
         let mut of_lanes = [[f32x4::splat(simd, 0.0); LANES]; ROWS];
         for (lane, vertex) in vertices.into_iter().enumerate() {
@@ -120,7 +120,7 @@ impl SkinJob<'_> {
                 of_lanes[lane] = sum;
             }
         }
-        let mut blended = [[f32x8::splat(simd, 0.0); 4]; ROWS];
+        let mut blended = [[Lanes::splat(simd, 0.0); 4]; ROWS];
         for row in 0..ROWS {
             blended[row] = transposed(of_lanes[row]);
         }
@@ -129,7 +129,7 @@ impl SkinJob<'_> {
 
     /// The same for dual quaternions, whose signs follow the first influence, the heaviest.
     #[inline(always)]
-    fn blended_motions<S: Simd>(&self, simd: S, vertices: [usize; LANES]) -> [[f32x8<S>; 4]; 5] {
+    fn blended_motions<S: Simd>(&self, simd: S, vertices: [usize; LANES]) -> [[Lanes<S>; 4]; 5] {
         let rows = self.palette.rows();
         let mut of_lanes = [[f32x4::splat(simd, 0.0); LANES]; 5];
         for (lane, vertex) in vertices.into_iter().enumerate() {
@@ -153,7 +153,7 @@ impl SkinJob<'_> {
                 of_lanes[lane] = sum;
             }
         }
-        let mut blended = [[f32x8::splat(simd, 0.0); 4]; 5];
+        let mut blended = [[Lanes::splat(simd, 0.0); 4]; 5];
         for row in 0..5 {
             blended[row] = transposed(of_lanes[row]);
         }
@@ -167,7 +167,7 @@ fn entry<'a, const ROWS: usize>(rows: &'a [Vec4], influence: &Influence) -> &'a 
     &rows.as_chunks::<ROWS>().0[influence.binding as usize]
 }
 
-/// Eight vertices.
+/// As many vertices as there are lanes.
 #[derive(Clone, Copy)]
 struct Vertices<S: Simd> {
     position: Vectors<S>,
@@ -176,7 +176,7 @@ struct Vertices<S: Simd> {
 
 /// `rows` are those of the blended `model_from_bind`.
 #[inline(always)]
-fn linear<S: Simd>(bound: Vertices<S>, rows: [[f32x8<S>; 4]; 3]) -> Vertices<S> {
+fn linear<S: Simd>(bound: Vertices<S>, rows: [[Lanes<S>; 4]; 3]) -> Vertices<S> {
     let [x, y, z] = rows;
     Vertices {
         position: Vectors {
@@ -190,7 +190,7 @@ fn linear<S: Simd>(bound: Vertices<S>, rows: [[f32x8<S>; 4]; 3]) -> Vertices<S> 
 
 /// The motion's real and dual part, then the rows of the stretch before it.
 #[inline(always)]
-fn dual_quaternion<S: Simd>(bound: Vertices<S>, blended: [[f32x8<S>; 4]; 5]) -> Vertices<S> {
+fn dual_quaternion<S: Simd>(bound: Vertices<S>, blended: [[Lanes<S>; 4]; 5]) -> Vertices<S> {
     let [real, dual, x, y, z] = blended;
     let length =
         (real[0] * real[0] + real[1] * real[1] + real[2] * real[2] + real[3] * real[3]).sqrt();
@@ -218,19 +218,19 @@ fn dual_quaternion<S: Simd>(bound: Vertices<S>, blended: [[f32x8<S>; 4]; 5]) -> 
 
 /// By a unit quaternion.
 #[inline(always)]
-fn turned<S: Simd>(axis: Vectors<S>, w: f32x8<S>, v: Vectors<S>) -> Vectors<S> {
+fn turned<S: Simd>(axis: Vectors<S>, w: Lanes<S>, v: Vectors<S>) -> Vectors<S> {
     let half = axis.cross(axis.cross(v).plus(v.times(w)));
     v.plus(half.plus(half))
 }
 
 #[inline(always)]
-fn first_three<S: Simd>([x, y, z, _]: [f32x8<S>; 4]) -> Vectors<S> {
+fn first_three<S: Simd>([x, y, z, _]: [Lanes<S>; 4]) -> Vectors<S> {
     Vectors { x, y, z }
 }
 
 /// By the matrix whose columns are the cross products of those of the one with these rows.
 #[inline(always)]
-fn cofactor_transform<S: Simd>([x, y, z]: [[f32x8<S>; 4]; 3], normal: Vectors<S>) -> Vectors<S> {
+fn cofactor_transform<S: Simd>([x, y, z]: [[Lanes<S>; 4]; 3], normal: Vectors<S>) -> Vectors<S> {
     let [a, b, c] = [
         Vectors {
             x: x[0],

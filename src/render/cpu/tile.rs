@@ -7,7 +7,7 @@ use super::interpolate::Planes;
 use super::lanes::LANES;
 use super::raster::{self, Footprint};
 use super::resolve::{Resolve, Sums};
-use super::samples::{BLOCK, BLOCK_COLUMNS, EIGHTHS, NONE, Pattern, TileSamples};
+use super::samples::{BLOCK, BLOCK_COLUMNS, BLOCK_PIXELS, EIGHTHS, NONE, Pattern, TileSamples};
 use super::shade::{Fragment, Fragments, shade};
 use super::texture;
 use crate::render::cull::Side;
@@ -76,25 +76,27 @@ impl TileRoom {
         let size = picture.grid.size;
         let width = TILE[0].min(size.width - corner[0]);
         let height = TILE[1].min(size.height - corner[1]);
-        let empty = [picture.resolve.empty(simd); LANES];
+        let empty = [picture.resolve.empty(simd); BLOCK_PIXELS];
         for block_row in 0..height.div_ceil(BLOCK) {
             for block_column in 0..width.div_ceil(BLOCK) {
                 let at = [block_column * BLOCK, block_row * BLOCK];
                 let block = (block_row * BLOCK_COLUMNS + block_column) as usize;
-                let is_touched =
-                    self.resolve(simd, picture, block, [corner[0] + at[0], corner[1] + at[1]]);
+                let at_in_picture = [corner[0] + at[0], corner[1] + at[1]];
+                let mut pixels = empty;
+                if self.sum_up(simd, picture, block, at_in_picture) {
+                    let skin = picture.has_skin_layer.then_some(&self.skin);
+                    let rows = pixels.as_chunks_mut::<LANES>().0.iter_mut();
+                    for (index, rows) in rows.enumerate() {
+                        *rows = picture.resolve.rows(simd, &self.base, skin, index);
+                    }
+                }
                 let columns = BLOCK.min(width - at[0]) as usize;
                 for row in 0..BLOCK.min(height - at[1]) {
                     let start =
                         (at[1] + row) as usize * size.width as usize + (corner[0] + at[0]) as usize;
-                    let pixels = if is_touched {
-                        let skin = picture.has_skin_layer.then_some(&self.skin);
-                        picture.resolve.row(simd, &self.base, skin, row as usize)
-                    } else {
-                        empty
-                    };
+                    let row = &pixels[(row * BLOCK) as usize..][..columns];
                     let into = &mut band[4 * start..4 * (start + columns)];
-                    for (into, pixel) in into.as_chunks_mut::<4>().0.iter_mut().zip(pixels) {
+                    for (into, pixel) in into.as_chunks_mut::<4>().0.iter_mut().zip(row) {
                         *into = pixel.to_le_bytes();
                     }
                 }
@@ -137,7 +139,7 @@ impl TileRoom {
 
     /// Sums up what the samples of a block show, `at` the picture's pixel of its upper left corner; whether there is anything.
     #[inline(always)]
-    fn resolve<S: Simd>(
+    fn sum_up<S: Simd>(
         &mut self,
         simd: S,
         picture: &Picturing<'_>,

@@ -1,0 +1,248 @@
+//! What a picture costs where there is no GPU: rigd's own renderer against wgpu on Vulkan's software driver, in one run, and one core
+//! against all.
+//!
+//! Both through the engine, encoding included, without a socket: several requests in flight for frames a second, one for latency. Rounds
+//! are taken in turn, so that whatever else the machine does meets both; what is told are medians and the median of the ratios.
+
+#[path = "support/capsule.rs"]
+mod capsule;
+
+use capsule::{Capsule, USUAL};
+use rigd::encode::{Compression, png};
+use rigd::engine::{Engine, LoadedRig, RendererChoice, Terms, Urgency};
+use rigd::formats::{FileRef, Source};
+use rigd::limits::Limits;
+use rigd::pose::{Pose, PoseEdit, Posed, Skinning};
+use rigd::scene::{
+    Background, Camera, Cull, Light, Orbit, Samples, Scene, Shape, Show, Size, Surface, VertexQuery,
+};
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+use std::sync::mpsc::sync_channel;
+use std::time::{Duration, Instant};
+
+const ROUNDS: usize = 5;
+const IN_FLIGHT: usize = 8;
+/// How long a round of either side takes, about.
+const ROUND: Duration = Duration::from_millis(400);
+
+/// What to ask for, again and again.
+#[derive(Clone)]
+enum Ask {
+    Png(Scene),
+    Pixels(Scene),
+    Vertices,
+}
+
+/// An engine with one rig, in poses that change from request to request.
+struct Side {
+    engine: Engine,
+    rig: Arc<LoadedRig>,
+    in_flight: usize,
+}
+
+impl Side {
+    fn open(
+        adapter: &str,
+        threads: Option<usize>,
+        files: &[FileRef],
+        in_flight: usize,
+    ) -> Option<Self> {
+        let Ok(adapter) = adapter.parse();
+        let choice = RendererChoice {
+            adapter,
+            threads: threads.and_then(NonZeroUsize::new),
+            ..RendererChoice::default()
+        };
+        let engine = Engine::open(choice, Limits::default()).ok()?;
+        let rig = engine
+            .load(None, files, &Source::inline_only(), false)
+            .expect("the rig loads");
+        Some(Self {
+            engine,
+            rig,
+            in_flight,
+        })
+    }
+
+    fn posed(&self, index: usize) -> Arc<Posed> {
+        let bend = 0.01 * (index as f64 * 0.1).sin();
+        let dofs = self.rig.rig.dofs().all().iter().enumerate();
+        let edit = PoseEdit {
+            dofs: dofs
+                .filter(|(_, dof)| dof.name.ends_with(".rz"))
+                .map(|(dof, _)| (dof, bend))
+                .collect(),
+            ..PoseEdit::default()
+        };
+        let (pose, _) = Pose::rest(&self.rig.rig).edited(&edit).expect("clamped");
+        Arc::new(Posed::new(&pose).expect("a small pose"))
+    }
+
+    /// Seconds a request takes, over so many.
+    fn run(&self, ask: &Ask, requests: usize) -> f64 {
+        let (sender, receiver) = sync_channel(self.in_flight);
+        let start = |index: usize| {
+            let posed = self.posed(index);
+            let ticket = self.engine.admission().admit().expect("room");
+            let terms = Terms {
+                urgency: Urgency::default(),
+                ticket,
+            };
+            let sender = sender.clone();
+            match ask.clone() {
+                Ask::Vertices => {
+                    let meshes = self.rig.rig.meshes().iter().enumerate();
+                    let queries = meshes.map(|(mesh, of_mesh)| VertexQuery {
+                        mesh,
+                        start: 0,
+                        count: of_mesh.vertex_count(),
+                        positions: true,
+                        normals: true,
+                    });
+                    let queries = queries.collect();
+                    self.engine.vertices(
+                        posed,
+                        Skinning::Linear,
+                        Shape::Posed,
+                        queries,
+                        terms,
+                        move |found| {
+                            sender
+                                .send(found.expect("vertices").0.len())
+                                .expect("the loop waits");
+                        },
+                    );
+                }
+                Ask::Png(scene) => {
+                    self.engine.render(
+                        &self.rig,
+                        posed,
+                        Skinning::Linear,
+                        scene,
+                        terms,
+                        move |found| {
+                            let file =
+                                png(&found.expect("a frame").0, Compression::Fast).expect("a PNG");
+                            sender.send(file.len()).expect("the loop waits");
+                        },
+                    );
+                }
+                Ask::Pixels(scene) => {
+                    self.engine.render(
+                        &self.rig,
+                        posed,
+                        Skinning::Linear,
+                        scene,
+                        terms,
+                        move |found| {
+                            sender
+                                .send(found.expect("a frame").0.pixels.len())
+                                .expect("the loop waits");
+                        },
+                    );
+                }
+            }
+        };
+        let started = Instant::now();
+        (0..self.in_flight.min(requests)).for_each(start);
+        for done in 0..requests {
+            receiver.recv().expect("an answer");
+            if done + self.in_flight < requests {
+                start(done + self.in_flight);
+            }
+        }
+        started.elapsed().as_secs_f64() / requests as f64
+    }
+}
+
+fn scene(rig: &LoadedRig, side: u32, closeness: f64) -> Scene {
+    let size = Size::new(side, side, &Limits::default()).expect("a size within limits");
+    let distance = Camera::distance_to_fit(&rig.rest_bounds, None, size) / closeness;
+    let orbit = Orbit {
+        distance: Some(distance),
+        ..Orbit::default()
+    };
+    Scene {
+        size,
+        samples: Samples::Four,
+        camera: Camera::orbit(orbit, &rig.rest_bounds, size).expect("a camera"),
+        lights: Light::default_pair(),
+        ambient: Scene::DEFAULT_AMBIENT,
+        surface: Surface::default(),
+        background: Background::default(),
+        show: Show::default(),
+        cull: Cull::Auto,
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Milliseconds of either side, and how many times as fast the first one is.
+fn compare(sides: [&Side; 2], ask: &Ask) -> [f64; 3] {
+    let requests = sides.map(|side| {
+        let once = side.run(ask, 2 * side.in_flight);
+        ((ROUND.as_secs_f64() / once) as usize).max(2 * side.in_flight)
+    });
+    let rounds: Vec<[f64; 2]> = (0..ROUNDS)
+        .map(|_| [0, 1].map(|side| 1e3 * sides[side].run(ask, requests[side])))
+        .collect();
+    let of = |side: usize| median(rounds.iter().map(|round| round[side]).collect());
+    [
+        of(0),
+        of(1),
+        median(rounds.iter().map(|round| round[1] / round[0]).collect()),
+    ]
+}
+
+fn main() {
+    let million = Capsule {
+        rings: 1000,
+        segments: 500,
+        ..USUAL
+    };
+    let (usual, million, figure) = (USUAL.files(), million.files(), rigd::cli::figure());
+    let scenes: [(&str, &[FileRef], u32, f64); 5] = [
+        ("capsule 512x512", &usual, 512, 1.0),
+        ("capsule 256x256", &usual, 256, 1.0),
+        ("figure, textured, 512x512", &figure, 512, 1.0),
+        ("close-up, 512x512", &usual, 512, 4.0),
+        ("1M triangles, 1024x1024", &million, 1024, 1.0),
+    ];
+    let software = Side::open("llvmpipe", None, &usual, IN_FLIGHT);
+    match &software {
+        Some(software) => println!("against {}", software.engine.adapter()),
+        None => println!("there is no software Vulkan driver to compare with"),
+    }
+    println!("\n| ms a request | own | software driver | times as fast |\n|---|---|---|---|");
+    if software.is_some() {
+        for (name, files, side, closeness) in scenes {
+            let [own, other] = ["cpu", "llvmpipe"]
+                .map(|adapter| Side::open(adapter, None, files, IN_FLIGHT).expect("it is there"));
+            let ask = Ask::Png(scene(&own.rig, side, closeness));
+            let [own, other, ratio] = compare([&own, &other], &ask);
+            println!("| {name} | {own:.2} | {other:.2} | {ratio:.1} |");
+        }
+        let [own, other] = ["cpu", "llvmpipe"]
+            .map(|adapter| Side::open(adapter, None, &usual, IN_FLIGHT).expect("it is there"));
+        let [own, other, ratio] = compare([&own, &other], &Ask::Vertices);
+        println!("| 10,100 positions and normals | {own:.3} | {other:.3} | {ratio:.1} |");
+    }
+    println!(
+        "\n| ms a request, one at a time | all cores | one | times as fast |\n|---|---|---|---|"
+    );
+    for (name, files, side, closeness) in [
+        ("capsule 1024x1024, `rgba8`", &usual, 1024, 1.0),
+        ("capsule 256x256, `rgba8`", &usual, 256, 1.0),
+        ("figure 1024x1024, `rgba8`", &figure, 1024, 1.0),
+    ] {
+        let [all, one] = [None, Some(1)]
+            .map(|threads| Side::open("cpu", threads, files, 1).expect("it needs nothing"));
+        let ask = Ask::Pixels(scene(&all.rig, side, closeness));
+        let [all, one, ratio] = compare([&all, &one], &ask);
+        println!("| {name} | {all:.2} | {one:.2} | {ratio:.2} |");
+    }
+}
