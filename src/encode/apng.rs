@@ -74,7 +74,7 @@ mod tests {
         let pixels = (0..SIZE.pixels() * 4).map(|i| ((i + seed) * 37 % 251) as u8);
         Frame {
             size: SIZE,
-            pixels: pixels.collect(),
+            pixels: pixels.collect::<Vec<u8>>().into(),
         }
     }
 
@@ -106,7 +106,7 @@ mod tests {
             for frame in &frames {
                 let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
                 reader.next_frame(&mut pixels).unwrap();
-                assert_eq!(pixels, frame.pixels);
+                assert_eq!(pixels[..], frame.pixels[..]);
                 let control = reader.info().frame_control.unwrap();
                 assert_eq!((control.delay_num, control.delay_den), (1, 24));
                 assert_eq!(control.blend_op, png::BlendOp::Source);

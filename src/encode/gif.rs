@@ -117,7 +117,10 @@ mod tests {
         };
         Frame {
             size: SIZE,
-            pixels: (0..SIZE.width * SIZE.height).flat_map(pixel).collect(),
+            pixels: (0..SIZE.width * SIZE.height)
+                .flat_map(pixel)
+                .collect::<Vec<u8>>()
+                .into(),
         }
     }
 

@@ -48,12 +48,15 @@ mod tests {
         let pixels: Vec<u8> = (0..size.pixels() * 4)
             .map(|i| (i * 37 % 251) as u8)
             .collect();
-        let frame = Frame { size, pixels };
+        let frame = Frame {
+            size,
+            pixels: pixels.into(),
+        };
         for level in [Compression::Fast, Compression::Default, Compression::Best] {
             let file = png(&frame, level).unwrap();
             let decoded = image::load_from_memory(&file).unwrap().into_rgba8();
             assert_eq!((decoded.width(), decoded.height()), (17, 5));
-            assert_eq!(decoded.into_raw(), frame.pixels, "{level:?}");
+            assert_eq!(decoded.into_raw()[..], frame.pixels[..], "{level:?}");
         }
     }
 }

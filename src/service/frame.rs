@@ -79,7 +79,7 @@ impl FrameReply {
             wire::ImageFormat::Rgba8 => Picture::Rgba8 {
                 width,
                 height,
-                pixels: frame.pixels,
+                pixels: frame.pixels.into_vec(),
             },
             wire::ImageFormat::Png => match encode::png(&frame, of_compression(self.compression)) {
                 Ok(file) => Picture::Png(file),

@@ -87,7 +87,10 @@ impl Reel {
             Format::Png => whole(&path, &picture).map(|()| self.bytes += picture.len() as u64),
             Format::Gif | Format::Apng => {
                 let (size, pixels) = (self.size, picture);
-                self.animate(&Frame { size, pixels })
+                self.animate(&Frame {
+                    size,
+                    pixels: pixels.into(),
+                })
             }
         };
         self.taken += 1;

@@ -26,6 +26,11 @@ impl CpuWorker {
         }
     }
 
+    /// Lets go of memory that large rigs made necessary.
+    pub fn sweep(&self) {
+        self.cpu.sweep();
+    }
+
     pub fn take(&self, job: Job) {
         let (cpu, in_hand) = (Arc::clone(&self.cpu), Arc::clone(&self.in_hand));
         in_hand.fetch_add(1, Ordering::Relaxed);

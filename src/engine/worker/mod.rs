@@ -65,18 +65,18 @@ impl Worker {
         }
     }
 
-    /// Frees the device memory of rigs that were unloaded.
+    /// Frees memory that rigs took which were unloaded.
     pub fn sweep(&self) {
-        self.tell(Message::Sweep);
+        match &self.of {
+            Kind::Gpu(worker) => worker.send(Message::Sweep),
+            Kind::Cpu(worker) => worker.sweep(),
+        }
     }
 
+    /// On the CPU there is none to lose.
     pub fn lose_device(&self) {
-        self.tell(Message::LoseDevice);
-    }
-
-    fn tell(&self, message: Message) {
         if let Kind::Gpu(worker) = &self.of {
-            worker.send(message);
+            worker.send(Message::LoseDevice);
         }
     }
 }

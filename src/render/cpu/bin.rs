@@ -37,7 +37,7 @@ impl Grid {
 /// Triangles one after another, as one thread sorted them. Kept from picture to picture.
 #[derive(Default)]
 pub(super) struct Chunk {
-    /// One per tile, row by row; in the order in which they are drawn.
+    /// One per tile, row by row, and perhaps more; in the order in which they are drawn.
     pub bins: Vec<Vec<Entry>>,
     pub clipped: Vec<ClippedTriangle>,
 }
@@ -59,8 +59,11 @@ impl Chunk {
         grid: &Grid,
         pattern: Pattern,
     ) {
-        self.bins.iter_mut().for_each(Vec::clear);
-        self.bins.resize_with(grid.tile_count(), Vec::new);
+        if self.bins.len() < grid.tile_count() {
+            self.bins.resize_with(grid.tile_count(), Vec::new);
+        }
+        let bins = self.bins.iter_mut().take(grid.tile_count());
+        bins.for_each(Vec::clear);
         self.clipped.clear();
         for surface in geometry.surfaces {
             let (start, end) = (

@@ -23,7 +23,7 @@ use super::cull;
 use super::view::View;
 use super::{AdapterInfo, AdapterKind, Capabilities};
 use super::{Instance, Outputs, Picture, Plan, Wanted};
-use crate::frame::{Frame, SkinnedVertices};
+use crate::frame::{Frame, SkinnedVertices, SparePixels};
 use crate::rig::Mesh;
 use crate::scene::{Bounds, VertexQuery};
 use bin::{Chunk, Grid, TILE};
@@ -36,6 +36,7 @@ use resolve::Resolve;
 use room::{Room, Rooms};
 use samples::Pattern;
 use skin::SkinJob;
+use std::sync::Arc;
 use tile::{Picturing, TileRoom};
 
 /// How many cores one plan is worked on by.
@@ -55,6 +56,7 @@ pub struct Cpu {
     level: Level,
     rooms: Rooms<Room>,
     tile_rooms: Rooms<TileRoom>,
+    pixels: Arc<SparePixels>,
 }
 
 impl Default for Cpu {
@@ -70,6 +72,7 @@ impl Cpu {
             level,
             rooms: Rooms::default(),
             tile_rooms: Rooms::default(),
+            pixels: Arc::default(),
         }
     }
 
@@ -163,6 +166,7 @@ impl Cpu {
             line_corners,
             line_triangles,
             chunks,
+            surfaces,
         } = &mut *room;
 
         // Vertices: of skin, of solids, of lines.
@@ -223,11 +227,11 @@ impl Cpu {
 
         // Triangles: the skeleton first, then the skin.
         let is_translucent = picture.skin_is_shown && picture.scene.show.skin_opacity() < 1.0;
-        let mut surfaces: Vec<Surface<'_>> = Vec::new();
+        let mut list: Vec<Surface<'_>> = emptied(std::mem::take(surfaces));
         let mut add = |triangles, first_vertex: usize, paint, layer, culled| {
-            let first_triangle = surfaces.last().map_or(0, Surface::end);
+            let first_triangle = list.last().map_or(0, Surface::end);
             let is_empty = <[[u32; 3]]>::is_empty(triangles);
-            surfaces.extend((!is_empty).then_some(Surface {
+            list.extend((!is_empty).then_some(Surface {
                 triangles,
                 first_triangle,
                 first_vertex: first_vertex as u32,
@@ -274,7 +278,7 @@ impl Cpu {
             first = end;
         }
         let geometry = Geometry {
-            surfaces: &surfaces,
+            surfaces: &list,
             projected,
             positions,
             normals,
@@ -291,7 +295,10 @@ impl Cpu {
                 .clamp(1, 4 * rayon::current_num_threads()),
         };
         let portion = triangles.div_ceil(portions).max(1) as u32;
-        chunks.resize_with(portions, Chunk::default);
+        if chunks.len() < portions {
+            chunks.resize_with(portions, Chunk::default);
+        }
+        let chunks = &mut chunks[..portions];
         let fill = |(index, chunk): (usize, &mut Chunk)| {
             let start = index as u32 * portion;
             chunk.fill(
@@ -321,7 +328,7 @@ impl Cpu {
             has_skin_layer: is_translucent,
         };
         let size = picture.scene.size;
-        let mut pixels = vec![0; 4 * size.pixels()];
+        let mut pixels = self.pixels.take(4 * size.pixels());
         let band_bytes = 4 * size.width as usize * TILE[1] as usize;
         let draw = |tile_room: &mut TileRoom, (row, band): (usize, &mut [u8])| {
             for column in 0..grid.columns {
@@ -342,8 +349,23 @@ impl Cpu {
                 );
             }
         }
+        *surfaces = emptied(list);
         Frame { size, pixels }
     }
+
+    /// Lets go of memory that is kept for pictures to come.
+    pub fn sweep(&self) {
+        self.rooms.clear();
+        self.tile_rooms.clear();
+    }
+}
+
+/// A list without what is in it, as memory for another.
+fn emptied<'a>(mut surfaces: Vec<Surface<'_>>) -> Vec<Surface<'a>> {
+    surfaces.clear();
+    // Collected in place, for nothing changes its size.
+    let nothing = surfaces.into_iter();
+    nothing.map(|_| unreachable!("it was cleared")).collect()
 }
 
 impl<'a> SkinJob<'a> {

@@ -1,6 +1,7 @@
 //! Memory that is worked in and kept: in a steady stream of like pictures none is asked for. Never lives here: what is in it.
 
 use super::bin::Chunk;
+use super::geometry::Surface;
 use super::project::Projected;
 use std::ops::{Deref, DerefMut};
 use std::sync::{Mutex, PoisonError};
@@ -14,6 +15,8 @@ pub(super) struct Room {
     pub line_corners: Vec<[f32; 4]>,
     pub line_triangles: Vec<[u32; 3]>,
     pub chunks: Vec<Chunk>,
+    /// Empty between pictures.
+    pub surfaces: Vec<Surface<'static>>,
 }
 
 /// Rooms that nobody works in: as many as were ever used at a time.
@@ -22,6 +25,15 @@ pub(super) struct Rooms<T>(Mutex<Vec<Box<T>>>);
 impl<T> Default for Rooms<T> {
     fn default() -> Self {
         Self(Mutex::new(Vec::new()))
+    }
+}
+
+impl<T> Rooms<T> {
+    pub fn clear(&self) {
+        self.0
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clear();
     }
 }
 

@@ -233,7 +233,7 @@ impl Gather<'_> {
                 else {
                     unreachable!("only textured surfaces are looked up as such");
                 };
-                let [r, g, b] = textured(simd, texture, planes, pixel_at);
+                let [r, g, b, _] = textured(simd, texture, planes, pixel_at);
                 let by = self.picture.view.textured_diffuse;
                 [r * by.x, g * by.y, b * by.z, 1.0]
             }
@@ -293,14 +293,14 @@ impl Gather<'_> {
 
 /// The texture at the middle of a pixel, as far apart as the middles of the pixels of its square of four.
 #[inline(always)]
-fn textured<S: Simd>(simd: S, texture: &Texture, planes: &Planes, pixel: [f32; 2]) -> [f32; 3] {
+fn textured<S: Simd>(simd: S, texture: &Texture, planes: &Planes, pixel: [f32; 2]) -> [f32; 4] {
     let [x, y] = pixel;
     let here = texcoord(simd, planes, pixel);
     let beside = texcoord(simd, planes, [neighbour(x), y]);
     let below = texcoord(simd, planes, [x, neighbour(y)]);
     let by_x = [beside[0] - here[0], beside[1] - here[1]];
     let by_y = [below[0] - here[0], below[1] - here[1]];
-    texture::sample(texture, here, by_x, by_y)
+    texture::sample(simd, texture, here, by_x, by_y)
 }
 
 /// At the middle of a pixel, inside the triangle or beside it.

@@ -127,7 +127,7 @@ impl Form {
         match self {
             Self::Picture(size) => Outputs::Picture(Frame {
                 size: *size,
-                pixels: bytes.to_vec(),
+                pixels: bytes.to_vec().into(),
             }),
             Self::Vertices(queries) => {
                 let mut rest = bytes;

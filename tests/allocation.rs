@@ -1,0 +1,79 @@
+//! Does drawing ask for memory once it is warm? rigd's own renderer keeps its room from picture to picture.
+
+use allocation_counter::{AllocationInfo, measure};
+use rigd::formats::{self, Source};
+use rigd::limits::Limits;
+use rigd::pose::{Pose, PoseEdit, Posed, Skinning};
+use rigd::render::cpu::{Cpu, Spread};
+use rigd::render::{Outputs, Plan};
+use rigd::rig::Rig;
+use rigd::scene::{
+    Background, Bounds, Camera, Color, Cull, Light, Orbit, Samples, Scene, Show, ShowNormals,
+    ShowSkeleton, ShowSkin, Size, Surface,
+};
+use std::sync::Arc;
+
+/// The figure in another pose each time, in pictures of several sizes and kinds.
+fn plan(rig: &Arc<Rig>, index: usize) -> Plan {
+    let turn = 0.3 * (index as f64).sin();
+    let edit = PoseEdit {
+        dofs: (6..12).map(|dof| (dof, turn)).collect(),
+        ..PoseEdit::default()
+    };
+    let (pose, _) = Pose::rest(rig).edited(&edit).expect("clamped");
+    let posed = Arc::new(Posed::new(&pose).expect("a small pose"));
+    let side = [64, 200, 131][index % 3];
+    let size = Size {
+        width: side,
+        height: side,
+    };
+    let bounds = Bounds {
+        min: glam::DVec3::new(-0.8, 0.0, -0.3),
+        max: glam::DVec3::new(0.8, 1.8, 0.3),
+    };
+    let skeleton = [
+        ShowSkeleton::None,
+        ShowSkeleton::Sticks,
+        ShowSkeleton::Wireframe,
+    ][index % 3];
+    let opacity = [1.0, 0.5][index % 2];
+    let scene = Scene {
+        size,
+        samples: [Samples::Four, Samples::One][index % 2],
+        camera: Camera::orbit(Orbit::default(), &bounds, size).expect("a camera"),
+        lights: Light::default_pair(),
+        ambient: Color::constant(0.1, 0.1, 0.1),
+        surface: Surface::default(),
+        background: Background::default(),
+        show: Show::new(ShowSkin::Posed, skeleton, ShowNormals::Smooth, opacity)
+            .expect("an opacity"),
+        cull: Cull::Auto,
+    };
+    Plan::picture(posed, Skinning::Linear, scene, bounds.size())
+}
+
+fn allocations(cpu: &Cpu, plan: &Plan) -> AllocationInfo {
+    measure(|| match cpu.render(plan, Spread::OneCore) {
+        Outputs::Picture(frame) => assert!(!frame.pixels.is_empty()),
+        Outputs::Vertices(_) => unreachable!("a picture was asked for"),
+    })
+}
+
+#[test]
+fn a_warm_renderer_asks_for_no_memory() {
+    let files = rigd::cli::figure();
+    let loaded = formats::load(&files, &Source::inline_only(), &Limits::default());
+    let rig = Arc::new(loaded.expect("the figure").rig);
+    let cpu = Cpu::default();
+    let plans: Vec<Plan> = (0..12).map(|index| plan(&rig, index)).collect();
+    let cold = allocations(&cpu, &plans[0]);
+    // Or the counter counts nothing.
+    assert!(cold.count_total > 10, "{cold:?}");
+    for plan in &plans {
+        allocations(&cpu, plan);
+    }
+    for (index, plan) in plans.iter().enumerate() {
+        let warm = allocations(&cpu, plan);
+        assert_eq!(warm.count_total, 0, "picture {index}: {warm:?}");
+    }
+}
