@@ -6,23 +6,23 @@ export NODEVICE_SELECT = 1
 
 .PHONY: demo test setup bench clean
 
-## Draws the built-in figure through a running daemon: pictures, vertices and answers in out/.
+## Draws the built-in figure through a running daemon: pictures, vertices and answers in out/. Needs nothing but cargo.
 demo:
 	$(CARGO) build --release --locked --bin rigd --example contact_sheet
-	sh scripts/setup.sh driver
 	sh scripts/demo.sh target/release/rigd target/release/examples/contact_sheet out
 
-## Everything that has to hold before a change is taken.
+## Everything that has to hold before a change is taken. What draws is tested twice: rigd's own renderer, then wgpu.
 test: setup
 	$(CARGO) fmt --check
 	$(CARGO) clippy --locked --all-targets -- -D warnings
 	$(CARGO) run --locked -- doctor
 	$(CARGO) test --locked
+	sh scripts/test_wgpu.sh $(CARGO)
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --no-deps --document-private-items
 
-## What the tests need beyond cargo: a software Vulkan driver, and the tools that the README's examples use.
+## What the tests need beyond cargo: the tools that the README's examples use, and a software Vulkan driver for the wgpu renderer.
 setup:
-	sh scripts/setup.sh driver tools
+	sh scripts/setup.sh
 
 ## Frames a second of both renderers, of the bare engine and through a socket; how fast files become rigs.
 bench:

@@ -1,55 +1,48 @@
 #!/bin/sh
-# Installs, through apt where that is possible, what is missing of:
-#   driver  a Vulkan driver: Mesa's software one where there is no other
-#   tools   what the README's examples are run with: nc, jq, python3
-# Where it may not install anything it says what to do.
+# Installs, through apt where that is possible, what the tests need beyond cargo and lack: the tools that the README's examples are run
+# with, and Mesa's software Vulkan driver, which the wgpu renderer is tested with. Without the tools the tests cannot run; without the
+# driver those of the wgpu renderer are left out, and that is said loudly.
 set -eu
 
-missing=""
-
-driver() {
-    # The loader reads its drivers' manifests from these folders.
-    for manifest in /usr/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json "${VK_DRIVER_FILES:-}" "${VK_ICD_FILENAMES:-}"; do
-        case "$1:$manifest" in
-            any:*) [ -f "$manifest" ] && return ;;
-            software:*lvp*) [ -f "$manifest" ] && return ;;
-        esac
-    done
-    missing="$missing mesa-vulkan-drivers"
-}
+missing_tools=""
+missing_driver=""
 
 tool() {
-    command -v "$1" >/dev/null 2>&1 || missing="$missing $2"
+    command -v "$1" >/dev/null 2>&1 || missing_tools="$missing_tools $2"
 }
 
-case " $* " in
-    # Tests compare pictures, and so draw with the one driver that every machine can have.
-    *" tools "*)
-        driver software
-        tool nc netcat-openbsd
-        tool jq jq
-        tool python3 python3
-        ;;
-    *) driver any ;;
-esac
+tool nc netcat-openbsd
+tool jq jq
+tool python3 python3
+sh scripts/has_driver.sh || missing_driver="mesa-vulkan-drivers"
 
-[ -n "$missing" ] || exit 0
+missing="$missing_tools $missing_driver"
+[ "$missing" != " " ] || exit 0
 
-if [ "$(uname -s)" != Linux ] || ! command -v apt-get >/dev/null 2>&1; then
-    echo "setup: please install:$missing (or what your system calls these), then try again" >&2
-    # Other systems bring drivers of their own.
-    [ "$(uname -s)" != Linux ] && exit 0
-    exit 1
-fi
+# $1: what could not be installed, and why.
+give_up() {
+    if [ -n "$missing_driver" ]; then
+        echo "setup: WARNING: there is no software Vulkan driver ($1): the wgpu renderer will NOT be tested" >&2
+    fi
+    if [ -n "$missing_tools" ]; then
+        echo "setup: please install:$missing_tools (or what your system calls these), then try again ($1)" >&2
+        exit 1
+    fi
+    exit 0
+}
+
+[ "$(uname -s)" = Linux ] && command -v apt-get >/dev/null 2>&1 || give_up "it cannot be installed here by itself"
 if [ "$(id -u)" = 0 ]; then
     run=""
 elif sudo -n true 2>/dev/null; then
     run="sudo -n"
 else
-    echo "setup: please run:  sudo apt-get install$missing" >&2
-    exit 1
+    give_up "sudo apt-get install $missing would bring it"
 fi
-echo "setup: installing$missing"
+echo "setup: installing $missing"
 export DEBIAN_FRONTEND=noninteractive
-# shellcheck disable=SC2086 # both are lists of words
-$run apt-get update -qq && $run apt-get install -y -qq --no-install-recommends $missing >/dev/null
+$run apt-get update -qq || give_up "apt-get update failed"
+# Each by itself: the tests can do without the driver.
+for package in $missing; do
+    $run apt-get install -y -qq --no-install-recommends "$package" >/dev/null || give_up "installing $package failed"
+done

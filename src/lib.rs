@@ -9,9 +9,9 @@
 //! | [`server`] | [`service`] [`limits`] | listener, connections, bounded lines, shutdown; knows no method |
 //! | [`client`] | [`protocol`] | a typed blocking client |
 //! | [`service`] | [`protocol`] [`engine`] [`rig`] [`formats`] [`scene`] [`pose`] [`pick`] [`frame`] [`encode`] [`limits`] | a line in, a line out; one file for each family of methods |
-//! | [`engine`] | [`rig`] [`formats`] [`pose`] [`pick`] [`scene`] [`frame`] [`render`] [`encode`] [`limits`] | the use-cases in plain types; the store of rigs; the one thread that owns the renderer |
+//! | [`engine`] | [`rig`] [`formats`] [`pose`] [`pick`] [`scene`] [`frame`] [`render`] [`encode`] [`limits`] | the use-cases in plain types; the store of rigs; whoever draws: the thread that owns the device, or the pool |
 //! | [`render`] | [`rig`] [`pose`] [`scene`] [`frame`] [`limits`] | a plan and two renderers of it, [`render::gpu`] and [`render::cpu`], which never name each other |
-//! | [`encode`] | [`frame`] [`scene`] | from frames to PNG, animated PNG and GIF, and the threads that do it |
+//! | [`encode`] | [`frame`] [`scene`] | from frames to PNG, animated PNG and GIF; the pool of threads |
 //! | [`formats`] | [`rig`] [`limits`] | files to rigs, and where files come from |
 //! | [`pick`] | [`rig`] [`pose`] [`scene`] [`frame`] | rays against bones and skin |
 //! | [`pose`] | [`rig`] | joint angles, limits, forward kinematics, the skinning palette |
@@ -46,7 +46,8 @@
 //!   [`pose::Posed`] exists only if no vertex of it can overflow. Later rooms check neither again.
 //! - Readers of files need no GPU and no file system; the GPU needs no reader.
 //! - Influences of a vertex, joints and meshes are bounded by [`limits`] and memory alone, never by the width of a vertex format.
-//! - The renderer's thread never parses, compresses or touches a socket. Nothing unbounded is ever kept for a client.
+//! - The thread that owns the device never parses, compresses or touches a socket. Nothing unbounded is ever kept for a client.
+//! - [`render::cpu`] gives the same bytes for the same plan on every machine: sums in a written order, each operation rounded once.
 //! - An accepted request is answered exactly once, also when the device is lost, a client vanishes or the server stops.
 //! - Skinning happens once for a pose, into one buffer that pictures and queries read: both are of the same pose.
 

@@ -118,7 +118,7 @@ fn drawn(camera: Camera, triangles: &[[DVec3; 3]]) -> Vec<u8> {
         &Plan::picture(posed, Skinning::Linear, scene, 1.0),
         Spread::OneCore,
     ) {
-        Outputs::Picture(frame) => frame.pixels,
+        Outputs::Picture(frame) => frame.pixels.into_vec(),
         Outputs::Vertices(_) => unreachable!("a picture was asked for"),
     }
 }

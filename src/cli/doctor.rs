@@ -1,7 +1,7 @@
-//! `rigd doctor`: what this machine can draw with, whether it does, and what to install where it cannot.
+//! `rigd doctor`: what this machine can draw with, whether it does, and what may be missing.
 
 use super::{RendererArgs, local};
-use crate::engine::adapters;
+use crate::engine::{AdapterInfo, AdapterKind, adapters};
 use crate::formats::Source;
 use crate::protocol::frame as wire;
 use crate::service::Service;
@@ -9,23 +9,18 @@ use std::time::Instant;
 
 pub(super) fn run(args: &RendererArgs) -> anyhow::Result<()> {
     let found = adapters(args.threads);
-    if found.is_empty() {
-        println!("No graphics adapter was found.");
-    }
-    for (index, adapter) in found.iter().enumerate() {
-        let mark = if index == 0 { "*" } else { " " };
-        println!("{mark} {adapter}");
-    }
-    let has_vulkan = found.iter().any(|adapter| adapter.backend == "vulkan");
-    if cfg!(target_os = "linux") && !has_vulkan {
-        println!(
-            "\n{}",
-            advice(&std::fs::read_to_string("/etc/os-release").unwrap_or_default())
-        );
-    }
     let started = Instant::now();
     let engine = args.open()?;
-    let adapter = engine.adapter().to_string();
+    let adapter = engine.adapter().clone();
+    for other in &found {
+        let is_chosen = (&other.name, other.backend) == (&adapter.name, adapter.backend);
+        println!("{} {other}", if is_chosen { "*" } else { " " });
+    }
+    let is_gpu = |info: &AdapterInfo| info.kind < AdapterKind::Software;
+    if cfg!(target_os = "linux") && !found.iter().any(is_gpu) {
+        let os_release = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
+        println!("\n{}", advice(&os_release));
+    }
     let loaded = local::load(&engine, &[])?;
     let service = Service::new(engine, Source::inline_only());
     let params = wire::FrameParams::of(loaded.name.as_str());
@@ -41,7 +36,7 @@ pub(super) fn run(args: &RendererArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// How to get a software Vulkan driver on this distribution.
+/// How to get at a GPU that was not found, on this distribution.
 fn advice(os_release: &str) -> String {
     let is = |family: &str| {
         let ids = os_release
@@ -50,21 +45,23 @@ fn advice(os_release: &str) -> String {
         ids.flat_map(|line| line.split(['=', ' ', '"']))
             .any(|word| word == family)
     };
-    let command = if is("debian") || is("ubuntu") {
+    let package = if is("debian") || is("ubuntu") {
         "apt-get install mesa-vulkan-drivers"
     } else if is("fedora") || is("rhel") {
         "dnf install mesa-vulkan-drivers"
     } else if is("arch") {
-        "pacman -S vulkan-swrast"
+        "pacman -S vulkan-radeon or vulkan-intel"
     } else if is("alpine") {
-        "apk add mesa-vulkan-swrast"
+        "apk add mesa-vulkan-ati or mesa-vulkan-intel"
     } else if is("suse") || is("opensuse") {
-        "zypper install libvulkan_lvp"
+        "zypper install libvulkan_radeon or libvulkan_intel"
     } else {
-        return "There is no Vulkan driver. Install your GPU's, or Mesa's software one (lavapipe)."
-            .to_owned();
+        "Mesa's Vulkan drivers"
     };
-    format!("There is no Vulkan driver. Install your GPU's, or Mesa's software one:\n    {command}")
+    format!(
+        "No GPU was found. Where the machine has one, its Vulkan driver is missing: NVIDIA's comes with NVIDIA's own driver, those for AMD \
+         and Intel with\n    {package}"
+    )
 }
 
 #[cfg(test)]
@@ -83,8 +80,8 @@ mod tests {
                 "ID=rocky\nID_LIKE=\"rhel centos fedora\"\n",
                 "dnf install mesa-vulkan-drivers",
             ),
-            ("ID=alpine\n", "apk add mesa-vulkan-swrast"),
-            ("", "lavapipe"),
+            ("ID=alpine\n", "mesa-vulkan-intel"),
+            ("", "Mesa's Vulkan drivers"),
         ] {
             assert!(advice(os_release).contains(package), "{os_release}");
         }

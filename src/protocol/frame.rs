@@ -157,7 +157,7 @@ words! {
 
     /// Which triangles are left out.
     Cull {
-        /// As the renderer sees fit without changing the picture.
+        /// The far side of closed, opaque skin, which cannot be seen but where a pose turns skin inside out.
         #[default]
         Auto,
         /// None.

@@ -27,12 +27,11 @@ impl Renderer {
             };
             Ok((Self::Cpu(Cpu::default()), info, Cpu::CAPABILITIES))
         };
-        if *choice == AdapterChoice::Cpu {
-            return if require_gpu {
-                Err(AdapterError::CpuIsNoGpu)
-            } else {
-                cpu("asked for".to_owned())
-            };
+        let asks_for_cpu = *choice != AdapterChoice::Auto && choice.takes(&Cpu::info(threads));
+        match (asks_for_cpu, require_gpu) {
+            (true, false) => return cpu("asked for".to_owned()),
+            (true, true) => return Err(AdapterError::CpuIsNoGpu),
+            (false, _) => {}
         }
         let may_do_without = *choice == AdapterChoice::Auto && !require_gpu;
         match Gpu::open(choice, require_gpu) {
@@ -54,6 +53,10 @@ impl Renderer {
                 cpu(format!("the GPU {adapter} cannot be used: {reason}"))
             }
             Err(_) if may_do_without => cpu("no GPU was found".to_owned()),
+            Err(AdapterError::NoMatch { asked, mut found }) => {
+                found.push(Cpu::info(threads));
+                Err(AdapterError::NoMatch { asked, found })
+            }
             Err(error) => Err(error),
         }
     }
