@@ -616,3 +616,49 @@ fn morphs_and_clips_are_listed() {
         );
     }
 }
+
+#[test]
+fn without_a_gpu_and_a_driver_it_draws_all_the_same_and_says_why() {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rigd"));
+    // Where the Vulkan loader is not to find anything.
+    let command = command
+        .args(["doctor", "--threads", "1"])
+        .env("VK_DRIVER_FILES", "/nonexistent");
+    let output = command.output().expect("the program runs");
+    let said = text(&output.stdout);
+    assert!(output.status.success(), "{said}");
+    if cfg!(target_os = "linux") {
+        assert!(
+            said.contains("Drew 512x512 with rigd's own renderer"),
+            "{said}"
+        );
+        assert!(said.contains("1 thread): no GPU was found."), "{said}");
+    }
+}
+
+#[test]
+fn what_draws_can_be_chosen_and_what_is_not_there_is_refused() {
+    for (arguments, wanted) in [
+        (["--adapter", "cpu"], Ok("asked for")),
+        (["--adapter", "own renderer"], Ok("asked for")),
+        (
+            ["--adapter", "no such thing"],
+            Err("no adapter matches `no such thing`; there are: "),
+        ),
+        (
+            ["--adapter=cpu", "--require-gpu"],
+            Err("a real GPU is required"),
+        ),
+        (["--threads", "0"], Err("invalid value '0'")),
+    ] {
+        let output = rigd(&[&["doctor"], &arguments[..]].concat());
+        let (said, complained) = (text(&output.stdout), text(&output.stderr));
+        match wanted {
+            Ok(why) => assert!(said.contains(why), "{arguments:?}: {said} {complained}"),
+            Err(why) => {
+                assert!(!output.status.success());
+                assert!(complained.contains(why), "{arguments:?}: {complained}");
+            }
+        }
+    }
+}

@@ -139,3 +139,187 @@ fn root(parts: &mut [u32], mut vertex: u32) -> u32 {
     }
     vertex
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::limits::Limits;
+    use crate::rig::{
+        BindingDraft, Draft, Facing, JointDraft, Limit, Mesh, MeshDraft, RotationOrder,
+    };
+    use glam::{DAffine3, DVec3, Vec3};
+
+    /// A cube about a point, each face with corners of its own, wound outward.
+    fn cube(middle: Vec3, half: f32) -> MeshDraft {
+        let mut mesh = MeshDraft::default();
+        let mut normals = Vec::new();
+        for axis in 0..3 {
+            for side in [-1.0, 1.0] {
+                let mut normal = Vec3::ZERO;
+                normal[axis] = side;
+                let (mut right, mut up) = (Vec3::ZERO, Vec3::ZERO);
+                right[(axis + 1) % 3] = side;
+                up[(axis + 2) % 3] = 1.0;
+                let first = mesh.positions.len() as u32;
+                for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                    mesh.positions
+                        .push(middle + half * (normal + x * right + y * up));
+                    normals.push(normal);
+                }
+                mesh.triangles.extend(
+                    [[0, 1, 2], [0, 2, 3]].map(|t: [u32; 3]| t.map(|corner| first + corner)),
+                );
+            }
+        }
+        mesh.normals = Some(normals);
+        mesh
+    }
+
+    fn and(mut one: MeshDraft, other: MeshDraft) -> MeshDraft {
+        let first = one.positions.len() as u32;
+        one.positions.extend(other.positions);
+        if let (Some(normals), Some(more)) = (&mut one.normals, other.normals) {
+            normals.extend(more);
+        }
+        one.triangles.extend(
+            other
+                .triangles
+                .iter()
+                .map(|t| t.map(|corner| first + corner)),
+        );
+        one
+    }
+
+    fn turned_in(mut mesh: MeshDraft) -> MeshDraft {
+        mesh.normals
+            .iter_mut()
+            .flatten()
+            .for_each(|normal| *normal = -*normal);
+        mesh
+    }
+
+    fn built(mesh: MeshDraft) -> Mesh {
+        let joint = |parent| JointDraft {
+            name: String::new(),
+            parent,
+            offset: DVec3::Y,
+            rotation_order: RotationOrder::Zyx,
+            rest_angles: DVec3::ZERO,
+            rotation_limits: [Limit::NONE; 3],
+            translates: false,
+            bounding_box: None,
+        };
+        let binding = |joint| BindingDraft {
+            joint: Some(joint),
+            bind_from_joint: DAffine3::IDENTITY,
+        };
+        let draft = Draft {
+            joints: vec![joint(None), joint(Some(0))],
+            bindings: vec![binding(0), binding(1)],
+            meshes: vec![mesh],
+            ..Draft::default()
+        };
+        let rig = draft.build(&Limits::default()).unwrap();
+        let mut meshes = rig.meshes;
+        meshes.remove(0)
+    }
+
+    /// Every vertex follows the joint that `choose` gives it by its number.
+    fn bound(mut mesh: MeshDraft, choose: impl Fn(usize) -> u32) -> MeshDraft {
+        let vertices = mesh.positions.len();
+        mesh.influence_counts = vec![1; vertices];
+        mesh.influences = (0..vertices).map(|vertex| (choose(vertex), 1.0)).collect();
+        mesh
+    }
+
+    #[test]
+    fn only_what_encloses_a_volume_is_closed() {
+        let whole = || cube(Vec3::new(3.0, -2.0, 50.0), 0.5);
+        let mut open = whole();
+        open.triangles.pop();
+        let mut torn = whole();
+        torn.positions[0] += Vec3::X * 0.01;
+        let mut nearly = whole();
+        nearly.positions[0] += Vec3::X * 1e-6;
+        let mut folded = whole();
+        folded.triangles.push([0, 0, 5]);
+        let far = || cube(Vec3::ZERO, 1.0);
+        for (what, mesh, wanted) in [
+            ("a cube", whole(), Some(Facing::Outward)),
+            (
+                "a cube seen from within",
+                turned_in(whole()),
+                Some(Facing::Inward),
+            ),
+            ("without a triangle", open, None),
+            ("with a corner that is off", torn, None),
+            (
+                "with a corner that is hardly off",
+                nearly,
+                Some(Facing::Outward),
+            ),
+            (
+                "with a triangle that is a line",
+                folded,
+                Some(Facing::Outward),
+            ),
+            ("two cubes", and(whole(), far()), Some(Facing::Outward)),
+            (
+                "two that face otherwise",
+                and(whole(), turned_in(far())),
+                None,
+            ),
+            (
+                "nothing",
+                MeshDraft {
+                    positions: vec![Vec3::X; 3],
+                    ..MeshDraft::default()
+                },
+                None,
+            ),
+            (
+                "following one joint",
+                bound(whole(), |_| 1),
+                Some(Facing::Outward),
+            ),
+            (
+                "a face that follows another joint",
+                bound(whole(), |vertex| u32::from(vertex < 4)),
+                None,
+            ),
+        ] {
+            assert_eq!(built(mesh).facing(), wanted, "{what}");
+        }
+    }
+
+    #[test]
+    fn a_flat_bag_is_not_closed() {
+        let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let mesh = MeshDraft {
+            positions: square.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec(),
+            normals: Some(vec![Vec3::Z; 4]),
+            triangles: vec![[0, 1, 2], [0, 2, 3], [2, 1, 0], [3, 2, 0]],
+            ..MeshDraft::default()
+        };
+        assert_eq!(built(mesh).facing(), None);
+    }
+
+    #[test]
+    fn many_vertices_in_one_place_do_not_take_long() {
+        // All of them together, each with weights of its own: none is one with another.
+        let count = 60_000u32;
+        let mut mesh = MeshDraft {
+            positions: (0..count)
+                .map(|vertex| Vec3::splat(if vertex == 0 { 1.0 } else { 0.0 }))
+                .collect(),
+            triangles: (0..count - 2)
+                .map(|vertex| [vertex, vertex + 1, vertex + 2])
+                .collect(),
+            ..MeshDraft::default()
+        };
+        mesh.influence_counts = vec![2; count as usize];
+        mesh.influences = (0..count)
+            .flat_map(|vertex| [(0, 1.0), (1, f64::from(vertex))])
+            .collect();
+        assert_eq!(built(mesh).facing(), None);
+    }
+}
