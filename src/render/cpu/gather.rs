@@ -1,0 +1,177 @@
+//! From samples to fragments: what each pixel of a block shows, once for each triangle, ready to be shaded.
+//! Never lives here: light.
+
+use super::bin::side;
+use super::geometry::{Entry, Paint};
+use super::interpolate::Planes;
+use super::samples::{BLOCK, EIGHTHS, NONE};
+use super::shade::{Fragment, Fragments};
+use super::texture;
+use super::tile::Picturing;
+use crate::render::cull::Side;
+use crate::rig::Texture;
+use fearless_simd::prelude::*;
+
+/// From samples to fragments.
+pub(super) struct Gather<'a> {
+    pub picture: &'a Picturing<'a>,
+    /// The picture's pixel at the block's upper left corner.
+    pub at: [u32; 2],
+    /// By the numbers that samples keep.
+    pub drawn: &'a mut [Drawn],
+    pub looked_up: &'a mut Vec<LookedUp>,
+    pub fragments: &'a mut Fragments,
+}
+
+/// A triangle that reaches the tile.
+#[derive(Clone, Copy)]
+pub(super) struct Drawn {
+    pub chunk: u32,
+    pub entry: Entry,
+    /// Index into what was looked up, or [`NONE`] where it has not been seen yet.
+    pub looked_up: u32,
+}
+
+/// A triangle that is seen.
+pub(super) struct LookedUp {
+    planes: Planes,
+    color: Scatter,
+}
+
+/// What a triangle scatters.
+#[derive(Clone, Copy)]
+enum Scatter {
+    Everywhere([f32; 4]),
+    /// The texture of the surface of this number.
+    Texture(u32),
+}
+
+impl Gather<'_> {
+    /// What the samples of a block show.
+    #[inline(always)]
+    pub fn block<S: Simd, const SAMPLES: usize>(&mut self, simd: S, shown: &[u32]) {
+        let positions = self.picture.pattern.positions();
+        for (pixel, samples) in shown.as_chunks::<SAMPLES>().0.iter().enumerate() {
+            let first = samples[0];
+            if *samples == [first; SAMPLES] {
+                if first != NONE {
+                    self.fragment(simd, pixel, first, SAMPLES, [EIGHTHS / 2; 2]);
+                }
+                continue;
+            }
+            for (sample, &number) in samples.iter().enumerate() {
+                if number != NONE && !samples[..sample].contains(&number) {
+                    let count = samples.iter().filter(|other| **other == number).count();
+                    // Shaded where the triangle is for certain: at the first of its samples.
+                    self.fragment(simd, pixel, number, count, positions[sample]);
+                }
+            }
+        }
+    }
+
+    /// `place` is where in the pixel it is shaded, in eighths.
+    #[inline(always)]
+    fn fragment<S: Simd>(
+        &mut self,
+        simd: S,
+        pixel: usize,
+        number: u32,
+        samples: usize,
+        place: [i32; 2],
+    ) {
+        let looked_up = self.look_up(simd, number);
+        let LookedUp { planes, color } = &self.looked_up[looked_up];
+        let of_block = [pixel as u32 % BLOCK, pixel as u32 / BLOCK];
+        let pixel_at = [0, 1].map(|axis| (self.at[axis] + of_block[axis]) as f32);
+        let from_origin = [0, 1]
+            .map(|axis| pixel_at[axis] + place[axis] as f32 / EIGHTHS as f32 - planes.origin[axis]);
+        let diffuse = match *color {
+            Scatter::Everywhere(color) => color,
+            Scatter::Texture(surface) => {
+                let Paint::Textured(texture, _) =
+                    self.picture.geometry.surfaces[surface as usize].paint
+                else {
+                    unreachable!("only textured surfaces are looked up as such");
+                };
+                let [r, g, b, _] = textured(simd, texture, planes, pixel_at);
+                let by = self.picture.view.textured_diffuse;
+                [r * by.x, g * by.y, b * by.z, 1.0]
+            }
+        };
+        let fragment = Fragment {
+            normal: planes.normal.at(simd, from_origin).to_array(),
+            position: planes.position.at(simd, from_origin).to_array(),
+            diffuse,
+        };
+        self.fragments.add(pixel, samples, fragment);
+    }
+
+    /// What is interpolated over a triangle is worked out when it is first seen.
+    #[inline(always)]
+    fn look_up<S: Simd>(&mut self, simd: S, number: u32) -> usize {
+        let Drawn {
+            chunk,
+            entry,
+            looked_up,
+        } = self.drawn[number as usize];
+        if looked_up != NONE {
+            return looked_up as usize;
+        }
+        let geometry = &self.picture.geometry;
+        let clipped = &self.picture.chunks[chunk as usize].clipped;
+        let (place, projected) = geometry.found(entry, clipped);
+        let view = self.picture.view;
+        let is_flat = match place.surface.paint {
+            Paint::Plain | Paint::Textured(..) => view.flat_normals == 1,
+            Paint::Lines(_) | Paint::Solids(_) => false,
+        };
+        // It has samples, so it is no line.
+        let side = side(projected).unwrap_or(Side::Front);
+        let color = match place.surface.paint {
+            Paint::Lines(segments) => {
+                Scatter::Everywhere(segments[place.triangle / 2].color.extend(0.0).to_array())
+            }
+            Paint::Solids(vertices) => {
+                let first = place.surface.triangles[place.triangle][0];
+                Scatter::Everywhere(vertices[first as usize].color.extend(1.0).to_array())
+            }
+            Paint::Plain => Scatter::Everywhere(view.diffuse.extend(1.0).to_array()),
+            Paint::Textured(..) => {
+                let surfaces = geometry.surfaces;
+                let index =
+                    surfaces.partition_point(|it| it.first_triangle < place.surface.first_triangle);
+                Scatter::Texture(index as u32)
+            }
+        };
+        let planes = Planes::of(simd, geometry.corners(entry, clipped), side, is_flat);
+        let index = self.looked_up.len();
+        self.looked_up.push(LookedUp { planes, color });
+        self.drawn[number as usize].looked_up = index as u32;
+        index
+    }
+}
+
+/// The texture at the middle of a pixel, as far apart as the middles of the pixels of its square of four.
+#[inline(always)]
+fn textured<S: Simd>(simd: S, texture: &Texture, planes: &Planes, pixel: [f32; 2]) -> [f32; 4] {
+    let [x, y] = pixel;
+    let here = texcoord(simd, planes, pixel);
+    let beside = texcoord(simd, planes, [neighbour(x), y]);
+    let below = texcoord(simd, planes, [x, neighbour(y)]);
+    let by_x = [beside[0] - here[0], beside[1] - here[1]];
+    let by_y = [below[0] - here[0], below[1] - here[1]];
+    texture::sample(simd, texture, here, by_x, by_y)
+}
+
+/// At the middle of a pixel, inside the triangle or beside it.
+#[inline(always)]
+fn texcoord<S: Simd>(simd: S, planes: &Planes, pixel: [f32; 2]) -> [f32; 2] {
+    let middle = [0, 1].map(|axis| pixel[axis] + 0.5 - planes.origin[axis]);
+    let [u, v, inverse_w, _] = planes.texcoord.at(simd, middle).to_array();
+    [u / inverse_w, v / inverse_w]
+}
+
+/// The other one of its pair.
+fn neighbour(pixel: f32) -> f32 {
+    (pixel as u32 ^ 1) as f32
+}
