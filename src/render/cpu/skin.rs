@@ -60,9 +60,9 @@ impl SkinJob<'_> {
             let vertices = std::array::from_fn(|lane| (first + lane).min(end - 1));
             let bound = self.morphed(simd, vertices);
             let skinned = match self.palette {
-                Palette::Linear(_) => linear(bound, self.blended::<S, 3>(simd, vertices)),
+                Palette::Linear(_) => linear(bound, self.blended::<S, 3, 0>(simd, vertices)),
                 Palette::DualQuaternion(_) => {
-                    dual_quaternion(bound, self.blended_motions(simd, vertices))
+                    dual_quaternion(bound, self.blended::<S, 5, 2>(simd, vertices))
                 }
             };
             skinned.position.store(positions);
@@ -99,9 +99,10 @@ impl SkinJob<'_> {
         }
     }
 
-    /// The mean of the palette's entries that each vertex follows, by weight: `ROWS` rows of four columns.
+    /// The mean of the palette's entries that each vertex follows, by weight: `ROWS` rows of four columns. The first `SIGNED` rows are
+    /// quaternions, whose signs follow those of the first influence, the heaviest.
     #[inline(always)]
-    fn blended<S: Simd, const ROWS: usize>(
+    fn blended<S: Simd, const ROWS: usize, const SIGNED: usize>(
         &self,
         simd: S,
         vertices: [usize; LANES],
@@ -109,52 +110,27 @@ impl SkinJob<'_> {
         let rows = self.palette.rows();
         let mut of_lanes = [[f32x4::splat(simd, 0.0); LANES]; ROWS];
         for (lane, vertex) in vertices.into_iter().enumerate() {
+            let influences = self.mesh.influences_of(vertex);
+            // Never without: a vertex that follows nothing follows the world.
+            let pivot = entry::<ROWS>(rows, &influences[0])[0];
             let mut sums = [f32x4::splat(simd, 0.0); ROWS];
-            for influence in self.mesh.influences_of(vertex) {
+            for influence in influences {
                 let entry = entry::<ROWS>(rows, influence);
-                for (sum, row) in sums.iter_mut().zip(entry) {
-                    *sum += f32x4::load_array(simd, row.to_array()) * influence.weight;
+                let weight = influence.weight;
+                // Either sign is the same rotation; of the two ways to the heaviest one's the shorter is meant.
+                let is_opposite = SIGNED > 0 && pivot.dot(entry[0]) < 0.0;
+                let signed = if is_opposite { -weight } else { weight };
+                for row in 0..ROWS {
+                    let weight = if row < SIGNED { signed } else { weight };
+                    sums[row] += f32x4::load_array(simd, entry[row].to_array()) * weight;
                 }
             }
-            for (of_lanes, sum) in of_lanes.iter_mut().zip(sums) {
-                of_lanes[lane] = sum;
+            for row in 0..ROWS {
+                of_lanes[row][lane] = sums[row];
             }
         }
         let mut blended = [[Lanes::splat(simd, 0.0); 4]; ROWS];
         for row in 0..ROWS {
-            blended[row] = transposed(of_lanes[row]);
-        }
-        blended
-    }
-
-    /// The same for dual quaternions, whose signs follow the first influence, the heaviest.
-    #[inline(always)]
-    fn blended_motions<S: Simd>(&self, simd: S, vertices: [usize; LANES]) -> [[Lanes<S>; 4]; 5] {
-        let rows = self.palette.rows();
-        let mut of_lanes = [[f32x4::splat(simd, 0.0); LANES]; 5];
-        for (lane, vertex) in vertices.into_iter().enumerate() {
-            let influences = self.mesh.influences_of(vertex);
-            let mut sums = [f32x4::splat(simd, 0.0); 5];
-            let pivot = influences
-                .first()
-                .map(|heaviest| entry::<5>(rows, heaviest)[0]);
-            for influence in influences {
-                let entry = entry::<5>(rows, influence);
-                let weight = influence.weight;
-                // Either sign is the same rotation; of the two ways to the heaviest one's the shorter is meant.
-                let is_opposite = pivot.is_some_and(|pivot| pivot.dot(entry[0]) < 0.0);
-                let signed = if is_opposite { -weight } else { weight };
-                for (row, sum) in sums.iter_mut().enumerate() {
-                    let weight = if row < 2 { signed } else { weight };
-                    *sum += f32x4::load_array(simd, entry[row].to_array()) * weight;
-                }
-            }
-            for (of_lanes, sum) in of_lanes.iter_mut().zip(sums) {
-                of_lanes[lane] = sum;
-            }
-        }
-        let mut blended = [[Lanes::splat(simd, 0.0); 4]; 5];
-        for row in 0..5 {
             blended[row] = transposed(of_lanes[row]);
         }
         blended
