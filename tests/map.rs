@@ -223,3 +223,67 @@ fn a_wrong_arrow_is_seen() {
         );
     }
 }
+
+/// Functions of the standard library that are the system's own, or fuse what others round twice.
+const INEXACT: [&str; 17] = [
+    "sin",
+    "cos",
+    "tan",
+    "sin_cos",
+    "asin",
+    "acos",
+    "atan",
+    "atan2",
+    "exp",
+    "exp2",
+    "ln",
+    "log2",
+    "powf",
+    "powi",
+    "hypot",
+    "mul_add",
+    "approximate_recip",
+];
+
+/// Where such a function is called in what pixels and vertices are made of.
+fn inexact(sources: &[(String, String, String)]) -> Vec<String> {
+    let rooms = ["rig", "pose", "scene", "render", "render::cpu"];
+    let mut found = Vec::new();
+    for (file, room, code) in sources
+        .iter()
+        .filter(|source| rooms.contains(&source.1.as_str()))
+    {
+        for name in INEXACT
+            .iter()
+            .filter(|name| code.contains(&format!(".{name}(")))
+        {
+            found.push(format!(
+                "{file}: `{name}` in `{room}` differs between machines"
+            ));
+        }
+    }
+    found
+}
+
+#[test]
+fn nothing_on_the_way_to_a_pixel_differs_between_machines() {
+    let found = inexact(&sources());
+    assert!(found.is_empty(), "{}", found.join("\n"));
+    let wrong = (
+        "x.rs".to_owned(),
+        "pose".to_owned(),
+        "angle.sin()".to_owned(),
+    );
+    assert_eq!(inexact(&[wrong]).len(), 1);
+    // Its vector types do both.
+    let manifest =
+        fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml")).expect("Cargo.toml");
+    let glam = manifest
+        .lines()
+        .find(|line| line.starts_with("glam ="))
+        .expect("glam");
+    assert!(
+        glam.contains("scalar-math") && glam.contains("libm"),
+        "{glam}"
+    );
+}
