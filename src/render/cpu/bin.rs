@@ -49,6 +49,17 @@ pub(super) struct Rectangle {
     pub max: [u32; 2],
 }
 
+impl Rectangle {
+    /// As far as it lies between two pixels; it reaches there.
+    #[inline(always)]
+    pub fn within(self, [left, top]: [u32; 2], [right, bottom]: [u32; 2]) -> Self {
+        Self {
+            min: [self.min[0].max(left), self.min[1].max(top)],
+            max: [self.max[0].min(right), self.max[1].min(bottom)],
+        }
+    }
+}
+
 impl Chunk {
     /// Sorts the triangles of `geometry` whose numbers are in `range`.
     pub fn fill(
@@ -75,8 +86,9 @@ impl Chunk {
                     surface,
                     triangle: (triangle - surface.first_triangle) as usize,
                 };
-                let corners = place.vertices().map(|vertex| geometry.projected[vertex]);
-                if !corners.iter().any(|corner| corner.is_beyond()) {
+                let corners = geometry.projected_of(place);
+                let [a, b, c] = corners;
+                if !(a.is_beyond() || b.is_beyond() || c.is_beyond()) {
                     self.add(Entry::whole(triangle), surface, corners, grid, pattern);
                     continue;
                 }
@@ -140,7 +152,8 @@ pub(super) fn side(corners: [Projected; 3]) -> Option<Side> {
 /// In squared steps; positive where the corners run clockwise on the picture.
 #[inline(always)]
 pub(super) fn doubled_area([a, b, c]: [Projected; 3]) -> i64 {
-    let [bx, by, cx, cy] = [b.x - a.x, b.y - a.y, c.x - a.x, c.y - a.y].map(i64::from);
+    let (bx, by) = (i64::from(b.x - a.x), i64::from(b.y - a.y));
+    let (cx, cy) = (i64::from(c.x - a.x), i64::from(c.y - a.y));
     bx * cy - cx * by
 }
 

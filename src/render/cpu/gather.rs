@@ -81,10 +81,15 @@ impl Gather<'_> {
     ) {
         let looked_up = self.look_up(simd, number);
         let LookedUp { planes, color } = &self.looked_up[looked_up];
-        let of_block = [pixel as u32 % BLOCK, pixel as u32 / BLOCK];
-        let pixel_at = [0, 1].map(|axis| (self.at[axis] + of_block[axis]) as f32);
-        let from_origin = [0, 1]
-            .map(|axis| pixel_at[axis] + place[axis] as f32 / EIGHTHS as f32 - planes.origin[axis]);
+        let pixel_at = [
+            (self.at[0] + pixel as u32 % BLOCK) as f32,
+            (self.at[1] + pixel as u32 / BLOCK) as f32,
+        ];
+        let eighth = 1.0 / EIGHTHS as f32;
+        let from_origin = [
+            pixel_at[0] + place[0] as f32 * eighth - planes.origin[0],
+            pixel_at[1] + place[1] as f32 * eighth - planes.origin[1],
+        ];
         let diffuse = match *color {
             Scatter::Everywhere(color) => color,
             Scatter::Texture(surface) => {
@@ -166,7 +171,10 @@ fn textured<S: Simd>(simd: S, texture: &Texture, planes: &Planes, pixel: [f32; 2
 /// At the middle of a pixel, inside the triangle or beside it.
 #[inline(always)]
 fn texcoord<S: Simd>(simd: S, planes: &Planes, pixel: [f32; 2]) -> [f32; 2] {
-    let middle = [0, 1].map(|axis| pixel[axis] + 0.5 - planes.origin[axis]);
+    let middle = [
+        pixel[0] + 0.5 - planes.origin[0],
+        pixel[1] + 0.5 - planes.origin[1],
+    ];
     let [u, v, inverse_w, _] = planes.texcoord.at(simd, middle).to_array();
     [u / inverse_w, v / inverse_w]
 }

@@ -124,15 +124,24 @@ impl<'a> Geometry<'a> {
         }
     }
 
+    /// Where the corners of a whole triangle fall.
+    #[inline(always)]
+    pub fn projected_of(&self, place: Place<'a>) -> [Projected; 3] {
+        // Written out: a closure would be called, for each triangle.
+        let [a, b, c] = place.vertices();
+        [self.projected[a], self.projected[b], self.projected[c]]
+    }
+
     /// `clipped` are those of the chunk that the entry comes from.
     #[inline(always)]
     pub fn found(&self, entry: Entry, clipped: &[ClippedTriangle]) -> (Place<'a>, [Projected; 3]) {
         if entry.0 & Entry::CLIPPED == 0 {
             let place = self.place(entry.0);
-            (place, place.vertices().map(|vertex| self.projected[vertex]))
+            (place, self.projected_of(place))
         } else {
             let ClippedTriangle { of, corners } = &clipped[(entry.0 ^ Entry::CLIPPED) as usize];
-            (self.place(*of), corners.map(|corner| corner.projected))
+            let [a, b, c] = corners;
+            (self.place(*of), [a.projected, b.projected, c.projected])
         }
     }
 
@@ -144,17 +153,20 @@ impl<'a> Geometry<'a> {
         }
     }
 
+    #[inline(always)]
     pub fn whole_corners(&self, place: Place<'a>) -> [Corner; 3] {
         let own = place.surface.triangles[place.triangle];
-        let mut corners = place.vertices().map(|vertex| Corner {
-            projected: self.projected[vertex],
-            position: self.positions.get(vertex).copied().unwrap_or_default(),
-            normal: self.normals.get(vertex).copied().unwrap_or_default(),
-            texcoord: [0.0; 2],
-        });
-        if let Paint::Textured(_, texcoords) = place.surface.paint {
-            for (corner, vertex) in corners.iter_mut().zip(own) {
-                corner.texcoord = texcoords[vertex as usize].to_array();
+        let mut corners = [Corner::default(); 3];
+        for ((corner, vertex), own) in corners.iter_mut().zip(place.vertices()).zip(own) {
+            corner.projected = self.projected[vertex];
+            // Lines have neither.
+            if let (Some(position), Some(normal)) =
+                (self.positions.get(vertex), self.normals.get(vertex))
+            {
+                (corner.position, corner.normal) = (*position, *normal);
+            }
+            if let Paint::Textured(_, texcoords) = place.surface.paint {
+                corner.texcoord = texcoords[own as usize].to_array();
             }
         }
         corners
@@ -166,6 +178,11 @@ impl Place<'_> {
     #[inline(always)]
     pub fn vertices(&self) -> [usize; 3] {
         let first = self.surface.first_vertex;
-        self.surface.triangles[self.triangle].map(|vertex| (first + vertex) as usize)
+        let [a, b, c] = self.surface.triangles[self.triangle];
+        [
+            (first + a) as usize,
+            (first + b) as usize,
+            (first + c) as usize,
+        ]
     }
 }

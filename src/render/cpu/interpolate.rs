@@ -57,34 +57,44 @@ impl Planes {
     /// Of a triangle that is no line. `is_flat`: lit by its own normal.
     #[inline(always)]
     pub fn of<S: Simd>(simd: S, corners: [Corner; 3], side: Side, is_flat: bool) -> Self {
-        let slope = Slope::of(corners.map(|corner| corner.projected));
-        let toward_us = match side {
-            Side::Front => 1.0,
-            Side::Back => -1.0,
+        let [a, b, c] = &corners;
+        let slope = Slope::of([a.projected, b.projected, c.projected]);
+        let toward_us = if side == Side::Front { 1.0 } else { -1.0 };
+        let normals = if is_flat {
+            let own = own_normal(&corners) * toward_us;
+            // The same at every corner, so not divided by w.
+            let at = |corner: &Corner| own.extend(corner.projected.inverse_w).to_array();
+            [at(a), at(b), at(c)]
+        } else {
+            let at = |corner: &Corner| corner.over_w(corner.normal, toward_us);
+            [at(a), at(b), at(c)]
         };
-        let divided = |corner: &Corner, numbers: [f32; 3], factor: f32| {
-            let inverse_w = corner.projected.inverse_w;
-            let [x, y, z] = numbers.map(|number| number * factor * inverse_w);
-            [x, y, z, inverse_w]
-        };
-        let mut normals = corners.map(|corner| divided(&corner, corner.normal, toward_us));
-        if is_flat {
-            let [a, b, c] = corners.map(|corner| Vec3::from_array(corner.position));
-            let own = (b - a).cross(c - a) * toward_us;
-            for normal in &mut normals {
-                normal[..3].copy_from_slice(&own.to_array());
-            }
-        }
-        let positions = corners.map(|corner| divided(&corner, corner.position, 1.0));
-        let texcoords = corners.map(|corner| {
+        let position = |corner: &Corner| corner.over_w(corner.position, 1.0);
+        let texcoord = |corner: &Corner| {
             let ([u, v], inverse_w) = (corner.texcoord, corner.projected.inverse_w);
             [u * inverse_w, v * inverse_w, inverse_w, 0.0]
-        });
+        };
         Self {
             origin: slope.origin,
             normal: Plane::through(simd, &slope, normals),
-            position: Plane::through(simd, &slope, positions),
-            texcoord: Plane::through(simd, &slope, texcoords),
+            position: Plane::through(simd, &slope, [position(a), position(b), position(c)]),
+            texcoord: Plane::through(simd, &slope, [texcoord(a), texcoord(b), texcoord(c)]),
         }
+    }
+}
+
+/// On the side that it is seen from where its corners run counter-clockwise, of any length.
+fn own_normal([a, b, c]: &[Corner; 3]) -> Vec3 {
+    let from = Vec3::from_array(a.position);
+    (Vec3::from_array(b.position) - from).cross(Vec3::from_array(c.position) - from)
+}
+
+impl Corner {
+    /// A vector of this corner, and 1, divided by w.
+    #[inline(always)]
+    fn over_w(&self, [x, y, z]: [f32; 3], factor: f32) -> [f32; 4] {
+        let inverse_w = self.projected.inverse_w;
+        let factor = factor * inverse_w;
+        [x * factor, y * factor, z * factor, inverse_w]
     }
 }

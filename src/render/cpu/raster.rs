@@ -129,7 +129,8 @@ impl Slope {
         let area = Sides::of(unrounded).doubled_area();
         // The rounded corners say what is covered, the unrounded ones what is there: over a triangle of less than a pixel rounding would
         // bend everything. A sliver that rounding makes another one of is taken as rounded.
-        if (0.5..2.0).contains(&(area / rounded_area)) {
+        let (alike, squared) = (area * rounded_area, rounded_area * rounded_area);
+        if alike > 0.5 * squared && alike < 2.0 * squared {
             Self::between(unrounded, area)
         } else {
             let [a, b, c] = corners;
@@ -229,11 +230,8 @@ pub(super) fn draw<S: Simd>(
                 }
             }
             if !is_outside {
-                let within = Rectangle {
-                    min: [0, 1].map(|axis| reached.min[axis].max(at[axis])),
-                    max: [0, 1].map(|axis| reached.max[axis].min(at[axis] + BLOCK - 1)),
-                };
-                walk.rectangle(through, within);
+                let last = [at[0] + BLOCK - 1, at[1] + BLOCK - 1];
+                walk.rectangle(through, reached.within(at, last));
             }
         }
     }

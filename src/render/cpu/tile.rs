@@ -1,7 +1,7 @@
 //! One tile from empty samples to pixels: raster, then for each block gather, shade and resolve.
 //! Never lives here: the stages themselves.
 
-use super::bin::{Chunk, Grid, Rectangle, TILE, pixels};
+use super::bin::{Chunk, Grid, TILE, pixels};
 use super::gather::{Drawn, Gather, LookedUp};
 use super::geometry::{Geometry, Layer};
 use super::lanes::LANES;
@@ -94,10 +94,7 @@ impl TileRoom {
                 let Some(reached) = pixels(corners, picture.grid.size, picture.pattern) else {
                     continue;
                 };
-                let reached = Rectangle {
-                    min: [0, 1].map(|axis| reached.min[axis].max(corner[axis])),
-                    max: [0, 1].map(|axis| reached.max[axis].min(last[axis])),
-                };
+                let reached = reached.within(corner, last);
                 let number = self.drawn.len() as u32;
                 self.drawn.push(Drawn {
                     chunk: index as u32,
