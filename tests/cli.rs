@@ -650,6 +650,7 @@ fn what_draws_can_be_chosen_and_what_is_not_there_is_refused() {
             Err("a real GPU is required"),
         ),
         (["--threads", "0"], Err("invalid value '0'")),
+        (["--threads", "100000"], Err("invalid value '100000'")),
     ] {
         let output = rigd(&[&["doctor"], &arguments[..]].concat());
         let (said, complained) = (text(&output.stdout), text(&output.stderr));

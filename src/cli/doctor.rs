@@ -8,7 +8,7 @@ use crate::service::Service;
 use std::time::Instant;
 
 pub(super) fn run(args: &RendererArgs) -> anyhow::Result<()> {
-    let found = adapters(args.threads);
+    let found = adapters(args.threads());
     let started = Instant::now();
     let engine = args.open()?;
     let adapter = engine.adapter().clone();

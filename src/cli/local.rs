@@ -9,10 +9,16 @@ use crate::service::{Conversation, Message, Pending, Service};
 use anyhow::Context;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::Instant;
 
 impl RendererArgs {
+    pub(super) fn threads(&self) -> Option<NonZeroUsize> {
+        self.threads
+            .and_then(|threads| NonZeroUsize::new(threads.into()))
+    }
+
     pub(super) fn open(&self) -> anyhow::Result<Engine> {
         let adapter = match self.adapter.parse() {
             Ok(adapter) => adapter,
@@ -21,7 +27,7 @@ impl RendererArgs {
         let choice = RendererChoice {
             adapter,
             require_gpu: self.require_gpu,
-            threads: self.threads,
+            threads: self.threads(),
         };
         Ok(Engine::open(choice, Limits::default())?)
     }

@@ -13,7 +13,6 @@ pub use builtin::figure;
 
 use clap::{Args, Parser, Subcommand};
 use std::io::Write;
-use std::num::NonZeroUsize;
 
 /// Keeps character rigs loaded, poses and skins them, and answers with pictures and vertices.
 ///
@@ -54,8 +53,8 @@ struct RendererArgs {
     #[arg(long)]
     require_gpu: bool,
     /// Threads for drawing on the CPU and for encoding [default: one for each core]
-    #[arg(long, value_name = "COUNT")]
-    threads: Option<NonZeroUsize>,
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
 }
 
 /// Runs what the arguments of the process ask for.
