@@ -159,6 +159,7 @@ fn triangles_are_seen_where_rays_meet_them() {
             for (lens, camera) in [
                 ("perspective", camera(None, 0.05)),
                 ("a near plane in the midst", camera(None, 1.7)),
+                ("a near plane in the eye itself", camera(None, 1e-12)),
                 ("orthographic", camera(Some(3.0), 0.5)),
             ] {
                 let what = format!("{lens}, corners within {reach}, round {round}");

@@ -22,6 +22,8 @@ pub(super) struct Unplaced {
 /// Three corners, and one more for each plane that may cut one off.
 const MOST_CORNERS: usize = 3 + PLANES;
 const PLANES: usize = 5;
+/// The first.
+const NEAR: usize = 0;
 
 /// Adds what is left of triangle `of` to `pieces`.
 pub(super) fn clip(
@@ -36,7 +38,9 @@ pub(super) fn clip(
     }
     let mut polygon = Polygon::of(corners);
     for plane in 0..PLANES {
-        polygon = polygon.cut(|clip| distance_inside(plane, clip, projection));
+        polygon = polygon.cut(plane == NEAR, |clip| {
+            distance_inside(plane, clip, projection)
+        });
     }
     let Some(first) = polygon.corners().next() else {
         return;
@@ -60,7 +64,7 @@ fn distance_inside(plane: usize, [x, y, z, w]: [f32; 4], projection: &Projection
     let [half_width, half_height] = projection.half_size();
     let [low, high] = GUARD;
     match plane {
-        0 => w - z,
+        NEAR => w - z,
         1 => x * half_width + w * (half_width - low),
         2 => w * (high - half_width) - x * half_width,
         3 => w * (half_height - low) - y * half_height,
@@ -99,7 +103,20 @@ impl Polygon {
         self.corners[..self.count].iter().flatten().copied()
     }
 
-    fn cut(&self, distance: impl Fn([f32; 4]) -> f32) -> Self {
+    fn cut(&self, is_near: bool, distance: impl Fn([f32; 4]) -> f32) -> Self {
+        let between = |inside: Unplaced, outside: Unplaced, share: f32| {
+            let mut cut = inside.toward(outside, share);
+            if is_near {
+                // There z is w. Whichever of them is the same at both ends is right to the last bit, and the other one may be nothing but
+                // rounding where the plane is close to the eye.
+                if inside.clip[3] == outside.clip[3] {
+                    cut.clip[2] = cut.clip[3];
+                } else {
+                    cut.clip[3] = cut.clip[2];
+                }
+            }
+            cut
+        };
         let mut left = Self::empty();
         let next = self.corners().cycle().skip(1);
         for (corner, next) in self.corners().zip(next) {
@@ -109,9 +126,9 @@ impl Polygon {
             }
             // Always from the inside out, so that both triangles at an edge are cut at the same point.
             if here >= 0.0 && there < 0.0 {
-                left.add(corner.toward(next, here / (here - there)));
+                left.add(between(corner, next, here / (here - there)));
             } else if here < 0.0 && there >= 0.0 {
-                left.add(next.toward(corner, there / (there - here)));
+                left.add(between(next, corner, there / (there - here)));
             }
         }
         left
