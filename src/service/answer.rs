@@ -258,10 +258,10 @@ impl Slot {
         let mut state = self.lock();
         let is_first = matches!(*state, State::Open);
         if is_first {
+            // Counted before anybody can see the reply: whoever has it and asks for the counts finds it among them.
+            self.stats.answered(self.method, outcome);
             *state = State::Filled(reply);
             self.filled.notify_all();
-            drop(state);
-            self.stats.answered(self.method, outcome);
         }
         is_first
     }
