@@ -9,6 +9,7 @@ out=$3
 mkdir -p "$out"
 
 # Port 0: whatever runs on the usual one is left alone. The first line that the daemon prints ends in its address.
+: >"$out/rigd.log"
 "$rigd" serve --listen 127.0.0.1:0 >"$out/rigd.log" 2>&1 &
 daemon=$!
 trap 'kill "$daemon" 2>/dev/null || true' EXIT INT TERM
