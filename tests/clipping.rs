@@ -6,7 +6,7 @@ mod support;
 use glam::{DVec2, DVec3, Vec3};
 use rigd::limits::Limits;
 use rigd::pose::{Pose, Posed, Skinning};
-use rigd::render::cpu::{Cpu, Spread};
+use rigd::render::cpu::{Cores, Cpu, Spread};
 use rigd::render::{Outputs, Plan};
 use rigd::rig::{Draft, MeshDraft};
 use rigd::scene::{
@@ -116,10 +116,10 @@ fn drawn(camera: Camera, triangles: &[[DVec3; 3]]) -> Vec<u8> {
     };
     match Cpu::default().render(
         &Plan::picture(posed, Skinning::Linear, scene, 1.0),
-        Spread::OneCore,
+        Spread::to_the_end(Cores::One),
     ) {
-        Outputs::Picture(frame) => frame.pixels.into_vec(),
-        Outputs::Vertices(_) => unreachable!("a picture was asked for"),
+        Some(Outputs::Picture(frame)) => frame.pixels.into_vec(),
+        _ => unreachable!("a picture was asked for"),
     }
 }
 

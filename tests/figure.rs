@@ -41,3 +41,20 @@ fn the_files_are_what_the_generator_writes() {
         );
     }
 }
+
+#[test]
+fn it_is_closed_so_that_its_far_side_is_not_drawn() {
+    let files = rigd::cli::figure();
+    let source = rigd::formats::Source::inline_only();
+    let loaded = rigd::formats::load(&files, &source, &rigd::limits::Limits::default());
+    let rig = loaded.expect("the figure").rig;
+    for mesh in rig.meshes() {
+        let (outward, all) = (mesh.outward_count(), mesh.triangles().len());
+        // The rest is what normals turned: slivers at its seams.
+        let few = all - all / 1000;
+        assert!(
+            outward.is_some_and(|outward| outward >= few),
+            "{outward:?} of {all}"
+        );
+    }
+}

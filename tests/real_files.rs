@@ -268,3 +268,31 @@ fn files_that_make_no_rig_alone_are_refused_by_name() {
         assert!(error.to_string().contains(wanted), "{error}");
     }
 }
+
+#[test]
+fn which_of_them_enclose_a_volume() {
+    let outward_counts = |course: &str, files: &[&str]| {
+        let rig = loaded(&source_of(course)?, files).rig;
+        let counts = rig.meshes().iter().map(rigd::rig::Mesh::outward_count);
+        Some(counts.collect::<Vec<_>>())
+    };
+    // Normals turn a dozen triangles of each.
+    for (course, files, wanted) in [
+        (
+            "mit6837",
+            ["Model1.skel", "Model1.obj", "Model1.attach"].as_slice(),
+            Some(26_656),
+        ),
+        (
+            "mit6837",
+            &["Model3.skel", "Model3.obj", "Model3.attach"],
+            Some(26_648),
+        ),
+        ("cse169", &["tube.skel", "tube.skin"], None),
+        ("cse169", &["wasp.skel", "wasp.skin"], None),
+    ] {
+        if let Some(found) = outward_counts(course, files) {
+            assert_eq!(found, [wanted], "{files:?}");
+        }
+    }
+}

@@ -3,9 +3,10 @@
 
 use super::Instance;
 use crate::pose::Palette;
-use crate::rig::{Facing, Mesh};
+use crate::rig::Mesh;
 use crate::scene::{Bounds, Camera, Cull, Scene};
 use glam::{DVec3, DVec4};
+use std::ops::Range;
 
 /// Of a triangle, as its corners run around on the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -15,23 +16,37 @@ pub(super) enum Side {
     Back,
 }
 
-/// The side of `mesh` that can be left out. `bounds` are those of its posed vertices, or larger; `None` where they are not known.
-pub(super) fn unseen(
+/// Draw triangles that are drawn alike.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Part {
+    pub triangles: Range<usize>,
+    /// Those seen from this side are left out.
+    pub culled: Option<Side>,
+}
+
+/// All draw triangles of `mesh`, with the side of them that can be left out. `bounds` are those of its posed vertices, or larger; `None`
+/// where they are not known.
+pub(super) fn parts(
     instance: &Instance,
     mesh: &Mesh,
     scene: &Scene,
     bounds: Option<Bounds>,
-) -> Option<Side> {
+) -> impl Iterator<Item = Part> + use<> {
+    let all = mesh.draw_triangles().len();
     let may_cull = scene.cull == Cull::Auto && scene.show.skin_opacity() == 1.0;
-    let facing = mesh.facing().filter(|_| may_cull)?;
-    let is_seen_from_outside = bounds.is_some_and(|bounds| is_ahead(&bounds, &scene.camera));
-    if !is_seen_from_outside || is_mirrored(instance, mesh) {
-        return None;
-    }
-    Some(match facing {
-        Facing::Outward => Side::Back,
-        Facing::Inward => Side::Front,
-    })
+    let outward_count = mesh.outward_count().filter(|_| {
+        let is_seen_from_outside = bounds.is_some_and(|bounds| is_ahead(&bounds, &scene.camera));
+        may_cull && is_seen_from_outside && !is_mirrored(instance, mesh)
+    });
+    let part = |triangles, culled| Part { triangles, culled };
+    let parts = match outward_count {
+        None => [part(0..all, None), part(all..all, None)],
+        Some(outward) => [
+            part(0..outward, Some(Side::Back)),
+            part(outward..all, Some(Side::Front)),
+        ],
+    };
+    parts.into_iter().filter(|part| !part.triangles.is_empty())
 }
 
 /// Wholly beyond the near plane, and so before the eye.

@@ -29,15 +29,6 @@ pub struct Influence {
     pub weight: f32,
 }
 
-/// Which way the triangles of a closed surface are wound.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Facing {
-    /// Counter-clockwise seen from outside.
-    Outward,
-    /// Counter-clockwise seen from within.
-    Inward,
-}
-
 /// Where in bind space the vertices are that follow one binding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Followers {
@@ -61,7 +52,7 @@ pub struct Mesh {
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) draw_triangles: Vec<[u32; 3]>,
     pub(super) material: Option<usize>,
-    pub(super) facing: Option<Facing>,
+    pub(super) outward_count: Option<usize>,
     pub(super) has_negative_weights: bool,
     pub(super) followers: Vec<Followers>,
     pub(super) morph_reach: Vec<(usize, f32)>,
@@ -128,7 +119,8 @@ impl Mesh {
         &self.triangles
     }
 
-    /// The same triangles, each wound counter-clockwise about its vertices' normals.
+    /// The same triangles, each wound counter-clockwise about its vertices' normals; in another order where the mesh
+    /// [is closed](Self::outward_count).
     pub fn draw_triangles(&self) -> &[[u32; 3]] {
         &self.draw_triangles
     }
@@ -138,9 +130,10 @@ impl Mesh {
         self.material
     }
 
-    /// How the [draw triangles](Self::draw_triangles) are wound if they enclose a volume, whatever the pose.
-    pub fn facing(&self) -> Option<Facing> {
-        self.facing
+    /// Of a mesh that encloses a volume, whatever the pose: how many [draw triangles](Self::draw_triangles) are wound counter-clockwise
+    /// seen from outside. They come first; the rest are wound counter-clockwise seen from within.
+    pub fn outward_count(&self) -> Option<usize> {
+        self.outward_count
     }
 
     /// Where not, a vertex lies between the places that what it follows would put it.

@@ -19,7 +19,7 @@ pub use draft::{
     BindingDraft, ChannelDraft, ClipDraft, Draft, JointDraft, MeshDraft, MorphDraft, RigError,
 };
 pub use material::Material;
-pub use mesh::{Binding, Facing, Followers, Influence, Mesh};
+pub use mesh::{Binding, Followers, Influence, Mesh};
 pub use morph::{Morph, MorphDisplacement};
 pub use skeleton::{Axis, Joint, Limit, RotationOrder, Skeleton};
 pub use texture::{LINEAR_FROM_SRGB, Texture, TextureLevel};

@@ -4,7 +4,8 @@
 use super::job::{Job, Reply, Timings};
 use crate::encode::Pool;
 use crate::engine::EngineError;
-use crate::render::cpu::{Cpu, Spread};
+use crate::render::Outputs;
+use crate::render::cpu::{Cores, Cpu, Spread};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -35,23 +36,20 @@ impl CpuWorker {
         let (cpu, in_hand) = (Arc::clone(&self.cpu), Arc::clone(&self.in_hand));
         in_hand.fetch_add(1, Ordering::Relaxed);
         self.pool.spawn(move || {
-            let spread = match in_hand.load(Ordering::Relaxed) {
-                1 => Spread::AllCores,
-                _ => Spread::OneCore,
+            let cores = match in_hand.load(Ordering::Relaxed) {
+                1 => Cores::All,
+                _ => Cores::One,
             };
-            let (reply, result) = draw(&cpu, job, spread);
+            let (reply, result) = draw(&cpu, job, cores);
             in_hand.fetch_sub(1, Ordering::Relaxed);
             reply.send(result);
         });
     }
 }
 
-type Drawn = (
-    Reply,
-    Result<(crate::render::Outputs, Timings), EngineError>,
-);
+type Drawn = (Reply, Result<(Outputs, Timings), EngineError>);
 
-fn draw(cpu: &Cpu, job: Job, spread: Spread) -> Drawn {
+fn draw(cpu: &Cpu, job: Job, cores: Cores) -> Drawn {
     let Job {
         plan,
         urgency,
@@ -63,15 +61,14 @@ fn draw(cpu: &Cpu, job: Job, spread: Spread) -> Drawn {
     }
     let started = Instant::now();
     // What a panic leaves half-done is room to work in, which is filled anew for each plan.
-    let caught = catch_unwind(AssertUnwindSafe(|| cpu.render(&plan, spread)));
+    let is_wanted = || urgency.check().is_ok();
+    let caught = catch_unwind(AssertUnwindSafe(|| {
+        cpu.render(&plan, Spread::over(cores, &is_wanted))
+    }));
     let result = match caught {
-        Ok(outputs) => urgency.check().map(|()| {
-            let timings = Timings {
-                queue: started - taken,
-                render: started.elapsed(),
-            };
-            (outputs, timings)
-        }),
+        Ok(Some(outputs)) => Ok((outputs, Timings::of(taken, started))),
+        // Whatever made it unwanted still does.
+        Ok(None) => Err(urgency.check().err().unwrap_or(EngineError::Cancelled)),
         Err(_) => Err(EngineError::Internal {
             reason: "the renderer panicked".to_owned(),
         }),

@@ -159,10 +159,7 @@ impl Thread {
         } = oldest;
         match self.guarded(|gpu| gpu.finish(in_flight)) {
             Ok(outputs) => {
-                let timings = Timings {
-                    queue: started - taken,
-                    render: started.elapsed(),
-                };
+                let timings = Timings::of(taken, started);
                 self.answer(reply, urgency.check().map(|()| (outputs, timings)));
             }
             Err(error) => self.fail(reply, error),

@@ -19,6 +19,16 @@ pub struct Timings {
     pub render: Duration,
 }
 
+impl Timings {
+    /// Of a job that is done now.
+    pub(super) fn of(taken: Instant, started: Instant) -> Self {
+        Self {
+            queue: started - taken,
+            render: started.elapsed(),
+        }
+    }
+}
+
 /// Until when, and whether at all, an answer is still of interest.
 #[derive(Debug, Clone, Default)]
 pub struct Urgency {

@@ -2,10 +2,10 @@
 //! at hand. Here goes what is not seen at all: the far sides of closed skin, and triangles that fall between the samples.
 //! Never lives here: which samples a triangle covers.
 
-use super::clip::{ClippedTriangle, Unplaced, clip};
-use super::geometry::{Entry, Geometry, Paint, Place, Surface};
-use super::project::{Projected, Projection, STEPS};
+use super::geometry::{Geometry, Place};
+use super::project::{Projected, STEPS};
 use super::samples::Pattern;
+use super::spread::Spread;
 use crate::render::cull::Side;
 use crate::scene::Size;
 
@@ -34,13 +34,53 @@ impl Grid {
     }
 }
 
-/// Triangles one after another, as one thread sorted them. Kept from picture to picture.
+/// Triangles that follow each other, as one thread sorted them. Kept from picture to picture.
 #[derive(Default)]
 pub(super) struct Chunk {
-    /// One per tile, row by row, and perhaps more; in the order in which they are drawn.
-    pub bins: Vec<Vec<Entry>>,
-    pub clipped: Vec<ClippedTriangle>,
+    /// Those that reach a few tiles, in the order in which they are drawn.
+    few: Vec<Reaching>,
+    /// Those that reach many, likewise. Each tile looks through all of them: named at each tile that they reach, a few thousand would fill
+    /// gigabytes.
+    many: Vec<Reaching>,
+    /// Numbers of the triangles that reach a few tiles, tile after tile, row by row; in each tile in the order in which they are drawn.
+    by_tile: Vec<u32>,
+    /// Where in `by_tile` each tile starts, and where the last one ends.
+    starts: Vec<u32>,
 }
+
+/// A triangle that is seen, and its tiles.
+#[derive(Debug, Clone, Copy)]
+struct Reaching {
+    triangle: u32,
+    /// In both directions, the first and the last.
+    columns: [u16; 2],
+    rows: [u16; 2],
+}
+
+impl Reaching {
+    fn tile_count(&self) -> usize {
+        let count = |[first, last]: [u16; 2]| usize::from(last - first) + 1;
+        count(self.columns) * count(self.rows)
+    }
+
+    #[inline(always)]
+    fn reaches(&self, [column, row]: [u16; 2]) -> bool {
+        let is_within = |at: u16, [first, last]: [u16; 2]| first <= at && at <= last;
+        is_within(column, self.columns) && is_within(row, self.rows)
+    }
+
+    fn tiles(self, grid: &Grid) -> impl Iterator<Item = usize> {
+        let columns = grid.columns as usize;
+        let [first, last] = self.columns.map(usize::from);
+        let rows = self.rows[0]..=self.rows[1];
+        rows.flat_map(move |row| {
+            (first..=last).map(move |column| usize::from(row) * columns + column)
+        })
+    }
+}
+
+/// More tiles than this are many.
+const FEW: usize = 8;
 
 /// From the first pixel to the last one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,7 +98,24 @@ impl Rectangle {
             max: [self.max[0].min(right), self.max[1].min(bottom)],
         }
     }
+
+    pub fn is_empty(self) -> bool {
+        self.min[0] > self.max[0] || self.min[1] > self.max[1]
+    }
+
+    /// The smallest that both lie in.
+    fn and(self, other: Self) -> Self {
+        let both =
+            |a: [u32; 2], b: [u32; 2], of: fn(u32, u32) -> u32| [of(a[0], b[0]), of(a[1], b[1])];
+        Self {
+            min: both(self.min, other.min, u32::min),
+            max: both(self.max, other.max, u32::max),
+        }
+    }
 }
+
+/// Triangles after which to ask whether the picture is still wanted.
+const ASK_AFTER: usize = 1 << 16;
 
 impl Chunk {
     /// Sorts the triangles of `geometry` whose numbers are in `range`.
@@ -66,75 +123,143 @@ impl Chunk {
         &mut self,
         geometry: &Geometry<'_>,
         range: std::ops::Range<u32>,
-        projection: &Projection,
         grid: &Grid,
         pattern: Pattern,
+        spread: Spread<'_>,
     ) {
-        if self.bins.len() < grid.tile_count() {
-            self.bins.resize_with(grid.tile_count(), Vec::new);
-        }
-        let bins = self.bins.iter_mut().take(grid.tile_count());
-        bins.for_each(Vec::clear);
-        self.clipped.clear();
+        self.few.clear();
+        self.many.clear();
         for surface in geometry.surfaces {
             let (start, end) = (
                 surface.first_triangle.max(range.start),
                 surface.end().min(range.end),
             );
             for triangle in start..end {
+                if (triangle as usize).is_multiple_of(ASK_AFTER) && !spread.is_wanted() {
+                    return;
+                }
                 let place = Place {
                     surface,
                     triangle: (triangle - surface.first_triangle) as usize,
                 };
                 let corners = geometry.projected_of(place);
-                let [a, b, c] = corners;
-                if !(a.is_beyond() || b.is_beyond() || c.is_beyond()) {
-                    self.add(Entry::whole(triangle), surface, corners, grid, pattern);
-                    continue;
+                let reached = if corners.iter().any(|corner| corner.is_beyond()) {
+                    let pieces = geometry.pieces(place);
+                    pieces
+                        .filter_map(|piece| {
+                            seen(piece.map(|corner| corner.projected), place, grid, pattern)
+                        })
+                        .reduce(Rectangle::and)
+                } else {
+                    seen(corners, place, grid, pattern)
+                };
+                if let Some(reached) = reached {
+                    self.add(triangle, reached);
                 }
-                let first_piece = self.clipped.len();
-                let whole = geometry.whole_corners(place);
-                let vertices = place.vertices();
-                let unplaced = [0, 1, 2].map(|corner| Unplaced {
-                    clip: match surface.paint {
-                        Paint::Lines(_) => {
-                            geometry.line_corners[vertices[corner] - geometry.positions.len()]
-                        }
-                        _ => projection.clip_of(whole[corner].position),
-                    },
-                    corner: whole[corner],
-                });
-                clip(triangle, unplaced, projection, &mut self.clipped);
-                for piece in first_piece..self.clipped.len() {
-                    let corners = self.clipped[piece].corners.map(|corner| corner.projected);
-                    self.add(Entry::clipped(piece), surface, corners, grid, pattern);
-                }
+            }
+        }
+        self.sort(grid);
+    }
+
+    #[inline(always)]
+    fn add(&mut self, triangle: u32, reached: Rectangle) {
+        // The largest picture has fewer than 65,536 of them.
+        let tiles = |axis: usize| {
+            [reached.min[axis], reached.max[axis]].map(|pixel| (pixel / TILE[axis]) as u16)
+        };
+        let reaching = Reaching {
+            triangle,
+            columns: tiles(0),
+            rows: tiles(1),
+        };
+        if reaching.tile_count() > FEW {
+            self.many.push(reaching);
+        } else {
+            self.few.push(reaching);
+        }
+    }
+
+    /// By counting: how many each tile has tells where each tile ends, and from there they are filled in backward.
+    fn sort(&mut self, grid: &Grid) {
+        self.starts.clear();
+        self.starts.resize(grid.tile_count() + 1, 0);
+        for reaching in &self.few {
+            for tile in reaching.tiles(grid) {
+                self.starts[tile] += 1;
+            }
+        }
+        let mut end = 0;
+        for start in &mut self.starts {
+            end += *start;
+            *start = end;
+        }
+        self.by_tile.resize(end as usize, 0);
+        for reaching in self.few.iter().rev() {
+            for tile in reaching.tiles(grid) {
+                self.starts[tile] -= 1;
+                self.by_tile[self.starts[tile] as usize] = reaching.triangle;
             }
         }
     }
 
-    fn add(
-        &mut self,
-        entry: Entry,
-        surface: &Surface<'_>,
-        corners: [Projected; 3],
-        grid: &Grid,
-        pattern: Pattern,
-    ) {
-        let is_seen = side(corners).is_some_and(|side| Some(side) != surface.culled);
-        let Some(reached) = is_seen
-            .then(|| pixels(corners, grid.size, pattern))
-            .flatten()
-        else {
-            return;
-        };
-        let tile = |pixel: [u32; 2]| [pixel[0] / TILE[0], pixel[1] / TILE[1]];
-        let ([left, top], [right, bottom]) = (tile(reached.min), tile(reached.max));
-        for row in top..=bottom {
-            for column in left..=right {
-                self.bins[(row * grid.columns + column) as usize].push(entry);
-            }
+    /// What is drawn in a tile.
+    pub fn of_tile(&self, [column, row]: [u32; 2], grid: &Grid) -> OfTile<'_> {
+        let tile = (row * grid.columns + column) as usize;
+        let [start, end] = [self.starts[tile], self.starts[tile + 1]].map(|at| at as usize);
+        OfTile {
+            tile: [column, row].map(|at| at as u16),
+            few: &self.by_tile[start..end],
+            many: &self.many,
         }
+    }
+}
+
+/// Numbers of triangles, in the order in which they are drawn.
+pub(super) struct OfTile<'a> {
+    tile: [u16; 2],
+    few: &'a [u32],
+    many: &'a [Reaching],
+}
+
+impl Iterator for OfTile<'_> {
+    type Item = u32;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<u32> {
+        while let [first, rest @ ..] = self.many
+            && !first.reaches(self.tile)
+        {
+            self.many = rest;
+        }
+        match (self.few, self.many) {
+            ([few, rest @ ..], [many, ..]) if *few < many.triangle => {
+                self.few = rest;
+                Some(*few)
+            }
+            (_, [many, rest @ ..]) => {
+                self.many = rest;
+                Some(many.triangle)
+            }
+            ([few, rest @ ..], []) => {
+                self.few = rest;
+                Some(*few)
+            }
+            ([], []) => None,
+        }
+    }
+}
+
+/// Where a triangle or a piece of one may be seen.
+#[inline(always)]
+pub(super) fn seen(
+    corners: [Projected; 3],
+    place: Place<'_>,
+    grid: &Grid,
+    pattern: Pattern,
+) -> Option<Rectangle> {
+    match side(corners) {
+        Some(side) if Some(side) != place.surface.culled => pixels(corners, grid.size, pattern),
+        _ => None,
     }
 }
 

@@ -4,14 +4,6 @@
 use super::geometry::Corner;
 use super::project::{GUARD, Projection};
 
-/// A piece of a triangle.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct ClippedTriangle {
-    /// The number of the whole one.
-    pub of: u32,
-    pub corners: [Corner; 3],
-}
-
 /// A corner that need not fall anywhere.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Unplaced {
@@ -25,38 +17,34 @@ const PLANES: usize = 5;
 /// The first.
 const NEAR: usize = 0;
 
-/// Adds what is left of triangle `of` to `pieces`.
+/// What is left of a triangle.
 pub(super) fn clip(
-    of: u32,
     corners: [Unplaced; 3],
     projection: &Projection,
-    pieces: &mut Vec<ClippedTriangle>,
-) {
+) -> impl Iterator<Item = [Corner; 3]> {
     let is_finite = |corner: &Unplaced| corner.clip.iter().all(|number| number.is_finite());
-    if !corners.iter().all(is_finite) {
-        return;
-    }
-    let mut polygon = Polygon::of(corners);
+    let mut polygon = if corners.iter().all(is_finite) {
+        Polygon::of(corners)
+    } else {
+        Polygon::empty()
+    };
     for plane in 0..PLANES {
         polygon = polygon.cut(plane == NEAR, |clip| {
             distance_inside(plane, clip, projection)
         });
     }
-    let Some(first) = polygon.corners().next() else {
-        return;
-    };
-    let rest = polygon.corners().skip(1);
-    for (second, third) in rest.clone().zip(rest.skip(1)) {
-        let corners = [first, second, third];
+    let corner = move |index: usize| polygon.corners[index];
+    (2..polygon.count).filter_map(move |third| {
+        let corners = [corner(0)?, corner(third - 1)?, corner(third)?];
         // What is left before the near plane is ahead of the eye, but for pieces that rounding made of nothing.
-        if corners.iter().all(|corner| corner.clip[3] > 0.0) {
-            let corners = corners.map(|Unplaced { clip, corner }| Corner {
+        let is_ahead = corners.iter().all(|corner| corner.clip[3] > 0.0);
+        is_ahead.then(|| {
+            corners.map(|Unplaced { clip, corner }| Corner {
                 projected: projection.place_inside(clip),
                 ..corner
-            });
-            pieces.push(ClippedTriangle { of, corners });
-        }
-    }
+            })
+        })
+    })
 }
 
 /// Positive inside: behind the near plane first, for only there the rest makes sense; then within the guard band.

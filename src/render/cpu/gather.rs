@@ -2,7 +2,7 @@
 //! Never lives here: light.
 
 use super::bin::side;
-use super::geometry::{Entry, Paint};
+use super::geometry::Paint;
 use super::interpolate::Planes;
 use super::samples::{BLOCK, EIGHTHS, NONE};
 use super::shade::{Fragment, Fragments};
@@ -26,8 +26,9 @@ pub(super) struct Gather<'a> {
 /// A triangle that reaches the tile.
 #[derive(Clone, Copy)]
 pub(super) struct Drawn {
-    pub chunk: u32,
-    pub entry: Entry,
+    pub triangle: u32,
+    /// Of a triangle that was cut, which of its pieces.
+    pub piece: u32,
     /// Index into what was looked up, or [`NONE`] where it has not been seen yet.
     pub looked_up: u32,
 }
@@ -115,23 +116,23 @@ impl Gather<'_> {
     #[inline(always)]
     fn look_up<S: Simd>(&mut self, simd: S, number: u32) -> usize {
         let Drawn {
-            chunk,
-            entry,
+            triangle,
+            piece,
             looked_up,
         } = self.drawn[number as usize];
         if looked_up != NONE {
             return looked_up as usize;
         }
         let geometry = &self.picture.geometry;
-        let clipped = &self.picture.chunks[chunk as usize].clipped;
-        let (place, projected) = geometry.found(entry, clipped);
+        let place = geometry.place(triangle);
+        let corners = geometry.corners(place, piece);
         let view = self.picture.view;
         let is_flat = match place.surface.paint {
             Paint::Plain | Paint::Textured(..) => view.flat_normals == 1,
             Paint::Lines(_) | Paint::Solids(_) => false,
         };
         // It has samples, so it is no line.
-        let side = side(projected).unwrap_or(Side::Front);
+        let side = side(corners.map(|corner| corner.projected)).unwrap_or(Side::Front);
         let color = match place.surface.paint {
             Paint::Lines(segments) => {
                 Scatter::Everywhere(segments[place.triangle / 2].color.extend(0.0).to_array())
@@ -148,7 +149,7 @@ impl Gather<'_> {
                 Scatter::Texture(index as u32)
             }
         };
-        let planes = Planes::of(simd, geometry.corners(entry, clipped), side, is_flat);
+        let planes = Planes::of(simd, corners, side, is_flat);
         let index = self.looked_up.len();
         self.looked_up.push(LookedUp { planes, color });
         self.drawn[number as usize].looked_up = index as u32;

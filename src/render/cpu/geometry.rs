@@ -1,8 +1,8 @@
 //! What a picture is made of: triangles over one numbering of vertices, and how each surface is painted. Triangles are numbered in the
 //! order in which they are drawn: where two are equally near, the first one shows. Never lives here: where triangles fall.
 
-use super::clip::ClippedTriangle;
-use super::project::Projected;
+use super::clip::{Unplaced, clip};
+use super::project::{Projected, Projection};
 use crate::render::cull::Side;
 use crate::render::{Segment, SolidVertex};
 use crate::rig::{Mesh, Rig, Texture};
@@ -52,6 +52,8 @@ pub(super) struct Geometry<'a> {
     pub normals: &'a [[f32; 3]],
     /// Of the vertices of lines.
     pub line_corners: &'a [[f32; 4]],
+    /// What cuts those that reach too far.
+    pub projection: &'a Projection,
 }
 
 /// A vertex of a triangle with all that is interpolated over it.
@@ -61,22 +63,6 @@ pub(super) struct Corner {
     pub position: [f32; 3],
     pub normal: [f32; 3],
     pub texcoord: [f32; 2],
-}
-
-/// A triangle as bins name it: its own number, or where among those that were cut out of others it stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Entry(u32);
-
-impl Entry {
-    const CLIPPED: u32 = 1 << 31;
-
-    pub fn whole(triangle: u32) -> Self {
-        Self(triangle)
-    }
-
-    pub fn clipped(index: usize) -> Self {
-        Self(index as u32 | Self::CLIPPED)
-    }
 }
 
 /// Where a triangle's surface is, and which of its triangles it is.
@@ -132,29 +118,34 @@ impl<'a> Geometry<'a> {
         [self.projected[a], self.projected[b], self.projected[c]]
     }
 
-    /// `clipped` are those of the chunk that the entry comes from.
-    #[inline(always)]
-    pub fn found(&self, entry: Entry, clipped: &[ClippedTriangle]) -> (Place<'a>, [Projected; 3]) {
-        if entry.0 & Entry::CLIPPED == 0 {
-            let place = self.place(entry.0);
-            (place, self.projected_of(place))
+    /// Of a triangle with a corner that [is beyond](Projected::is_beyond).
+    pub fn pieces(&self, place: Place<'a>) -> impl Iterator<Item = [Corner; 3]> {
+        let whole = self.whole_corners(place);
+        let vertices = place.vertices();
+        let unplaced = [0, 1, 2].map(|corner| Unplaced {
+            clip: match place.surface.paint {
+                Paint::Lines(_) => self.line_corners[vertices[corner] - self.positions.len()],
+                _ => self.projection.clip_of(whole[corner].position),
+            },
+            corner: whole[corner],
+        });
+        clip(unplaced, self.projection)
+    }
+
+    /// Of piece number `piece` of a triangle, or of one that is whole.
+    pub fn corners(&self, place: Place<'a>, piece: u32) -> [Corner; 3] {
+        let whole = self.whole_corners(place);
+        if whole.iter().any(|corner| corner.projected.is_beyond()) {
+            let mut pieces = self.pieces(place);
+            // The same ones whenever it is cut.
+            pieces.nth(piece as usize).unwrap_or(whole)
         } else {
-            let ClippedTriangle { of, corners } = &clipped[(entry.0 ^ Entry::CLIPPED) as usize];
-            let [a, b, c] = corners;
-            (self.place(*of), [a.projected, b.projected, c.projected])
+            whole
         }
     }
 
-    pub fn corners(&self, entry: Entry, clipped: &[ClippedTriangle]) -> [Corner; 3] {
-        if entry.0 & Entry::CLIPPED == 0 {
-            self.whole_corners(self.place(entry.0))
-        } else {
-            clipped[(entry.0 ^ Entry::CLIPPED) as usize].corners
-        }
-    }
-
     #[inline(always)]
-    pub fn whole_corners(&self, place: Place<'a>) -> [Corner; 3] {
+    fn whole_corners(&self, place: Place<'a>) -> [Corner; 3] {
         let own = place.surface.triangles[place.triangle];
         let mut corners = [Corner::default(); 3];
         for ((corner, vertex), own) in corners.iter_mut().zip(place.vertices()).zip(own) {

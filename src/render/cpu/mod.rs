@@ -21,7 +21,7 @@ mod texture;
 mod tile;
 
 pub use skin::skin_mesh;
-pub use spread::Spread;
+pub use spread::{Cores, Spread};
 
 use super::{AdapterInfo, AdapterKind, Capabilities, Instance, Outputs, Plan, Wanted};
 use crate::frame::{SkinnedVertices, SparePixels};
@@ -84,15 +84,18 @@ impl Cpu {
         }
     }
 
-    pub fn render(&self, plan: &Plan, spread: Spread) -> Outputs {
+    /// `None` where it was no longer wanted.
+    pub fn render(&self, plan: &Plan, spread: Spread<'_>) -> Option<Outputs> {
         match &plan.wanted {
             Wanted::Picture(picture) => {
-                Outputs::Picture(self.draw(&plan.instances, picture, spread))
+                let frame = self.draw(&plan.instances, picture, spread)?;
+                Some(Outputs::Picture(frame))
             }
             Wanted::Vertices(queries) => {
                 let of_query =
                     |query: &VertexQuery| self.vertices(&plan.instances[0], query, spread);
-                Outputs::Vertices(queries.iter().map(of_query).collect())
+                let vertices = queries.iter().map(of_query).collect();
+                spread.is_wanted().then_some(Outputs::Vertices(vertices))
             }
         }
     }
@@ -101,7 +104,7 @@ impl Cpu {
         &self,
         instance: &Instance,
         query: &VertexQuery,
-        spread: Spread,
+        spread: Spread<'_>,
     ) -> SkinnedVertices {
         let mut positions = vec![0.0f32; 3 * query.count];
         let mut normals = positions.clone();
@@ -125,7 +128,7 @@ impl Cpu {
         first: usize,
         positions: &mut [[f32; 3]],
         normals: &mut [[f32; 3]],
-        spread: Spread,
+        spread: Spread<'_>,
     ) {
         spread.pairs_of_portions(positions, normals, PORTION, |index, positions, normals| {
             job.run(self.level, first + index * PORTION, positions, normals);

@@ -47,7 +47,13 @@ impl<'a> Subject<'a> {
 }
 
 impl Cpu {
-    pub(super) fn draw(&self, instances: &[Instance], picture: &Picture, spread: Spread) -> Frame {
+    /// `None` where it was no longer wanted.
+    pub(super) fn draw(
+        &self,
+        instances: &[Instance],
+        picture: &Picture,
+        spread: Spread<'_>,
+    ) -> Option<Frame> {
         let subject = Subject { instances, picture };
         let view = View::of(picture);
         let projection = Projection::of(&view);
@@ -62,6 +68,7 @@ impl Cpu {
             positions: &room.positions,
             normals: &room.normals,
             line_corners: &room.line_corners,
+            projection: &projection,
         };
 
         let (grid, pattern) = (
@@ -77,7 +84,7 @@ impl Cpu {
         spread.portions(&mut chunks[..portions], 1, |index, chunk| {
             let start = index as u32 * portion;
             let range = start..start + portion;
-            chunk[0].fill(&geometry, range, &projection, &grid, pattern);
+            chunk[0].fill(&geometry, range, &grid, pattern, spread);
         });
 
         let picturing = Picturing {
@@ -92,11 +99,13 @@ impl Cpu {
                 opacity: view.opacity,
             },
             has_skin_layer: subject.is_translucent(),
+            spread,
         };
-        let frame = self.paint(&picturing, spread);
+        // Otherwise not everything was sorted.
+        let frame = spread.is_wanted().then(|| self.paint(&picturing, spread));
         let kept = emptied(surfaces);
         (room.chunks, room.surfaces) = (chunks, kept);
-        frame
+        frame.filter(|_| spread.is_wanted())
     }
 
     /// Every vertex: of the skin, of solids, of lines.
@@ -105,7 +114,7 @@ impl Cpu {
         subject: Subject<'_>,
         projection: &Projection,
         room: &mut Room,
-        spread: Spread,
+        spread: Spread<'_>,
     ) {
         let skeleton = &subject.picture.skeleton;
         let skin_vertices = subject.skin_vertices();
@@ -150,13 +159,13 @@ impl Cpu {
     }
 
     /// Tile by tile.
-    fn paint(&self, picturing: &Picturing<'_>, spread: Spread) -> Frame {
+    fn paint(&self, picturing: &Picturing<'_>, spread: Spread<'_>) -> Frame {
         let Grid { size, columns, .. } = picturing.grid;
         let mut pixels = self.pixels.take(4 * size.pixels());
         let band_bytes = 4 * size.width as usize * TILE[1] as usize;
         spread.portions(&mut pixels, band_bytes, |row, band| {
             let mut room = self.tile_rooms.take();
-            for column in 0..columns {
+            for column in (0..columns).take_while(|_| spread.is_wanted()) {
                 let at = [column, row as u32];
                 dispatch!(self.level, simd => room.draw(simd, picturing, at, band));
             }
@@ -212,9 +221,11 @@ fn surfaces<'a>(
             let skinned = room.positions[first..end].iter();
             Bounds::of(skinned.map(|position| Vec3::from_array(*position).as_dvec3()))
         });
-        let culled = cull::unseen(instance, mesh, &subject.picture.scene, bounds);
         let paint = Paint::of(instance.rig(), mesh);
-        add(mesh.draw_triangles(), first, paint, layer, culled);
+        for part in cull::parts(instance, mesh, &subject.picture.scene, bounds) {
+            let triangles = &mesh.draw_triangles()[part.triangles];
+            add(triangles, first, paint, layer, part.culled);
+        }
         first = end;
     }
     list

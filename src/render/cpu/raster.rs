@@ -229,9 +229,19 @@ pub(super) fn draw<S: Simd>(
                     Across::Through => *through = Some(edge),
                 }
             }
-            if !is_outside {
-                let last = [at[0] + BLOCK - 1, at[1] + BLOCK - 1];
-                walk.rectangle(through, reached.within(at, last));
+            if is_outside {
+                continue;
+            }
+            let [least, most] = walk.depth.over_block(at);
+            let in_tile = [at[0] - corner[0], at[1] - corner[1]];
+            if most <= *walk.tile.least_depth(in_tile) {
+                continue;
+            }
+            let last = [at[0] + BLOCK - 1, at[1] + BLOCK - 1];
+            walk.rectangle(through, reached.within(at, last));
+            if through.iter().all(Option::is_none) {
+                let there = walk.tile.least_depth(in_tile);
+                *there = there.max(least);
             }
         }
     }
@@ -244,6 +254,21 @@ struct Depth {
     at_origin: f32,
     by_x: f32,
     by_y: f32,
+}
+
+impl Depth {
+    /// The least and the most that a sample of a block may come to: samples lie an eighth of a pixel from its edges, which is more than
+    /// what rounding moves them by, and rounding keeps what is larger larger.
+    #[inline(always)]
+    fn over_block(&self, at: [u32; 2]) -> [f32; 2] {
+        let span = |axis: usize, by: f32| {
+            let from = at[axis] as f32 - self.origin[axis];
+            let ends = [from * by, (from + BLOCK as f32) * by];
+            [ends[0].min(ends[1]), ends[0].max(ends[1])]
+        };
+        let (x, y) = (span(0, self.by_x), span(1, self.by_y));
+        [0, 1].map(|end| x[end] + (y[end] + self.at_origin))
+    }
 }
 
 /// A triangle on its way through the samples of a tile.

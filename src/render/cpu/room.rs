@@ -4,7 +4,7 @@ use super::bin::Chunk;
 use super::geometry::Surface;
 use super::project::Projected;
 use std::ops::{Deref, DerefMut};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What one picture needs until it is drawn.
 #[derive(Default)]
@@ -20,29 +20,45 @@ pub(super) struct Room {
 }
 
 /// Rooms that nobody works in: as many as were ever used at a time.
-pub(super) struct Rooms<T>(Mutex<Vec<Box<T>>>);
+pub(super) struct Rooms<T>(Mutex<Kept<T>>);
+
+struct Kept<T> {
+    rooms: Vec<Box<T>>,
+    /// How often they were cleared: a room lent before that is not taken back.
+    clearings: u64,
+}
 
 impl<T> Default for Rooms<T> {
     fn default() -> Self {
-        Self(Mutex::new(Vec::new()))
+        Self(Mutex::new(Kept {
+            rooms: Vec::new(),
+            clearings: 0,
+        }))
     }
 }
 
 impl<T> Rooms<T> {
+    /// Lets go of all of them; of those that are lent as soon as they come back.
     pub fn clear(&self) {
-        self.0
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clear();
+        let mut kept = self.kept();
+        kept.rooms.clear();
+        kept.clearings += 1;
+    }
+
+    fn kept(&self) -> MutexGuard<'_, Kept<T>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl<T: Default> Rooms<T> {
     pub fn take(&self) -> Lent<'_, T> {
-        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let mut kept = self.kept();
+        let (room, clearings) = (kept.rooms.pop(), kept.clearings);
+        drop(kept);
         Lent {
-            room: Some(kept.unwrap_or_default()),
+            room: Some(room.unwrap_or_default()),
             rooms: self,
+            clearings,
         }
     }
 }
@@ -51,6 +67,7 @@ impl<T: Default> Rooms<T> {
 pub(super) struct Lent<'a, T> {
     room: Option<Box<T>>,
     rooms: &'a Rooms<T>,
+    clearings: u64,
 }
 
 impl<T> Deref for Lent<'_, T> {
@@ -69,7 +86,9 @@ impl<T> DerefMut for Lent<'_, T> {
 
 impl<T> Drop for Lent<'_, T> {
     fn drop(&mut self) {
-        let mut rooms = self.rooms.0.lock().unwrap_or_else(PoisonError::into_inner);
-        rooms.extend(self.room.take());
+        let mut kept = self.rooms.kept();
+        if kept.clearings == self.clearings {
+            kept.rooms.extend(self.room.take());
+        }
     }
 }

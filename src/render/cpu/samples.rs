@@ -77,6 +77,8 @@ pub(super) struct TileSamples {
     skin: Vec<u32>,
     /// Of each block, whether anything was drawn there since the last [`clear`](Self::clear).
     touched: [bool; BLOCKS],
+    /// Of each block, how near all of its samples are at least.
+    least_depth: [f32; BLOCKS],
 }
 
 impl Default for TileSamples {
@@ -87,6 +89,7 @@ impl Default for TileSamples {
             base: Vec::new(),
             skin: Vec::new(),
             touched: [false; BLOCKS],
+            least_depth: [0.0; BLOCKS],
         }
     }
 }
@@ -101,6 +104,7 @@ impl TileSamples {
     pub fn clear(&mut self, pattern: Pattern) {
         self.pattern = pattern;
         self.touched = [false; BLOCKS];
+        self.least_depth = [0.0; BLOCKS];
         // Blocks are cleared as they are met: most of a picture is often empty.
         let samples = BLOCKS * BLOCK_PIXELS * pattern.count();
         self.depth.resize(samples, 0.0);
@@ -135,6 +139,23 @@ impl TileSamples {
         self.depth[range.clone()].fill(0.0);
         self.base[range.clone()].fill(NONE);
         self.skin[range].fill(NONE);
+    }
+
+    /// How near all samples of the block of a pixel are at least: what is no nearer anywhere in it is hidden.
+    pub fn least_depth(&mut self, [x, y]: [u32; 2]) -> &mut f32 {
+        &mut self.least_depth[(y / BLOCK * BLOCK_COLUMNS + x / BLOCK) as usize]
+    }
+
+    /// Of every sample that shows a triangle, which one.
+    pub fn shown_mut(&mut self) -> impl Iterator<Item = &mut u32> {
+        let length = BLOCK_PIXELS * self.pattern.count();
+        let blocks = self
+            .base
+            .chunks_exact_mut(length)
+            .zip(self.skin.chunks_exact_mut(length));
+        let touched = blocks.zip(self.touched).filter(|(_, touched)| *touched);
+        let numbers = touched.flat_map(|((base, skin), _)| base.iter_mut().chain(skin));
+        numbers.filter(|number| **number != NONE)
     }
 
     /// Of each sample of a block which triangle it shows; `None` where nothing was drawn.

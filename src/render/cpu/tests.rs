@@ -7,19 +7,20 @@ use super::raster::{Footprint, draw};
 use super::samples::{
     BLOCK, BLOCK_COLUMNS, BLOCK_PIXELS, NONE, Pattern, STEPS_IN_EIGHTH, TileSamples,
 };
-use super::{Cpu, Spread};
+use super::{Cores, Cpu, Spread};
 use crate::limits::Limits;
 use crate::pose::{Pose, Posed, Skinning};
 use crate::render::{Outputs, Plan};
 use crate::rig::{Draft, MeshDraft};
 use crate::scene::{
-    Background, Bounds, Camera, Color, Cull, Light, Orbit, Samples, Scene, Show, ShowSkeleton,
-    Size, Surface, VertexQuery,
+    Background, Bounds, Camera, Color, Cull, Light, LookAt, Near, Orbit, Samples, Scene, Show,
+    ShowSkeleton, Size, Surface, VertexQuery,
 };
 use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeSet;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 const PATTERNS: [Pattern; 2] = [Pattern::of(Samples::One), Pattern::of(Samples::Four)];
 
@@ -393,11 +394,12 @@ fn every_vector_unit_and_any_number_of_threads_come_to_the_same_bytes() {
         ));
     }
     for (index, plan) in plans.iter().enumerate() {
-        let wanted: Outputs = Cpu::with(Level::new()).render(plan, Spread::OneCore);
+        let wanted: Option<Outputs> =
+            Cpu::with(Level::new()).render(plan, Spread::to_the_end(Cores::One));
         for level in levels() {
             let cpu = Cpu::with(level);
             assert!(
-                cpu.render(plan, Spread::OneCore) == wanted,
+                cpu.render(plan, Spread::to_the_end(Cores::One)) == wanted,
                 "plan {index}, {level:?}"
             );
             for threads in [1, 2, 3, 7] {
@@ -405,7 +407,7 @@ fn every_vector_unit_and_any_number_of_threads_come_to_the_same_bytes() {
                     .num_threads(threads)
                     .build()
                     .unwrap();
-                let found = pool.install(|| cpu.render(plan, Spread::AllCores));
+                let found = pool.install(|| cpu.render(plan, Spread::to_the_end(Cores::All)));
                 assert!(
                     found == wanted,
                     "plan {index}, {level:?}, {threads} threads"
@@ -431,8 +433,114 @@ fn what_was_drawn_before_does_not_show() {
     let used = Cpu::default();
     for _ in 0..3 {
         for plan in &plans {
-            let fresh = Cpu::default().render(plan, Spread::OneCore);
-            assert!(used.render(plan, Spread::OneCore) == fresh);
+            let fresh = Cpu::default().render(plan, Spread::to_the_end(Cores::One));
+            assert!(used.render(plan, Spread::to_the_end(Cores::One)) == fresh);
         }
     }
+}
+
+/// A triangle, and the direction in which it is lit.
+type Lit = ([Vec3; 3], Vec3);
+
+/// Each with corners of its own, as a plan of a picture straight from before, without perspective: one unit fits its height.
+fn seen_flat<'a>(triangles: impl Iterator<Item = &'a Lit>, width: u32, height: u32) -> Plan {
+    let mut mesh = MeshDraft::default();
+    let mut normals = Vec::new();
+    for (corners, normal) in triangles {
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(corners);
+        normals.extend([*normal; 3]);
+        mesh.triangles.push([first, first + 1, first + 2]);
+    }
+    mesh.normals = Some(normals);
+    let draft = Draft {
+        meshes: vec![mesh],
+        ..Draft::default()
+    };
+    let rig = Arc::new(draft.build(&Limits::default()).unwrap());
+    let posed = Arc::new(Posed::new(&Pose::rest(&rig)).unwrap());
+    let mut scene = scene(width, height, Samples::Four, 1.0, 1.0);
+    let look = LookAt {
+        eye: glam::DVec3::new(0.0, 0.0, 10.0),
+        target: glam::DVec3::ZERO,
+        up: glam::DVec3::Y,
+        fov_y: None,
+        height: Some(1.0),
+        near: Near(None),
+    };
+    let bounds = Bounds {
+        min: glam::DVec3::splat(-0.5),
+        max: glam::DVec3::splat(0.5),
+    };
+    scene.camera = Camera::look_at(look, &bounds, scene.size).unwrap();
+    Plan::picture(posed, Skinning::Linear, scene, 1.0)
+}
+
+/// Random ones, each further ahead than those before it.
+fn stacked(random: &mut Random, count: usize, largest: f32) -> Vec<Lit> {
+    let triangle = |index: usize| {
+        let middle = Vec3::new(
+            random.unit() - 0.5,
+            random.unit() - 0.5,
+            index as f32 * 1e-5,
+        );
+        let size = largest * random.unit();
+        let corners = [Vec3::ZERO, Vec3::X * size, Vec3::Y * size].map(|corner| middle + corner);
+        let tilt = Vec3::new(random.unit() - 0.5, random.unit() - 0.5, 1.0);
+        (corners, tilt.normalize_or(Vec3::Z))
+    };
+    (0..count).map(triangle).collect()
+}
+
+#[test]
+fn the_order_of_triangles_does_not_matter() {
+    // More than a tile keeps; and such as reach many tiles and hide whole blocks.
+    for (count, largest, width, height) in [(150_000, 0.1, 64, 32), (3000, 3.0, 640, 480)] {
+        let triangles = stacked(&mut Random(5), count, largest);
+        let draw = |plan: Plan| Cpu::default().render(&plan, Spread::to_the_end(Cores::One));
+        let back_to_front = draw(seen_flat(triangles.iter(), width, height));
+        let front_to_back = draw(seen_flat(triangles.iter().rev(), width, height));
+        assert!(back_to_front.is_some());
+        assert!(back_to_front == front_to_back, "{count} triangles");
+    }
+}
+
+#[test]
+fn of_two_that_are_equally_near_the_first_one_shows() {
+    let triangle = |size: f32, normal| ([Vec3::ZERO, Vec3::X * size, Vec3::Y * size], normal);
+    // One reaches a tile, the other one many.
+    let small = triangle(0.02, Vec3::Z);
+    let large = triangle(0.5, Vec3::new(0.6, 0.0, 0.8));
+    let draw = |lit: [Lit; 2]| {
+        let plan = seen_flat(lit.iter(), 640, 480);
+        Cpu::default().render(&plan, Spread::to_the_end(Cores::One))
+    };
+    let (small_first, large_first) = (draw([small, large]), draw([large, small]));
+    assert!(small_first != large_first);
+    assert!(large_first == draw([large, large]));
+}
+
+#[test]
+fn a_picture_that_is_no_longer_wanted_is_not_drawn_on() {
+    let plan = seen_flat(stacked(&mut Random(7), 20_000, 0.1).iter(), 640, 480);
+    let cpu = Cpu::default();
+    let whole = cpu.render(&plan, Spread::to_the_end(Cores::One));
+    let asked_of_all = {
+        let asked = AtomicUsize::new(0);
+        let count = || asked.fetch_add(1, Ordering::Relaxed) < usize::MAX;
+        assert!(cpu.render(&plan, Spread::over(Cores::One, &count)) == whole);
+        asked.into_inner()
+    };
+    // Of every stage at least.
+    assert!(asked_of_all > 100, "{asked_of_all}");
+    for last in (0..asked_of_all).step_by(7) {
+        let asked = AtomicUsize::new(0);
+        let is_wanted = || asked.fetch_add(1, Ordering::Relaxed) < last;
+        assert!(
+            cpu.render(&plan, Spread::over(Cores::One, &is_wanted))
+                .is_none()
+        );
+        assert!(asked.into_inner() < last + 50, "it went on from {last}");
+    }
+    assert!(cpu.render(&plan, Spread::to_the_end(Cores::All)) == whole);
 }

@@ -1,14 +1,16 @@
 //! One tile from empty samples to pixels: raster, then for each block gather, shade and resolve.
 //! Never lives here: the stages themselves.
 
-use super::bin::{Chunk, Grid, TILE, pixels};
+use super::bin::{Chunk, Grid, Rectangle, TILE, seen};
 use super::gather::{Drawn, Gather, LookedUp};
-use super::geometry::{Geometry, Layer};
+use super::geometry::{Geometry, Layer, Place};
 use super::lanes::LANES;
+use super::project::Projected;
 use super::raster::{self, Footprint};
 use super::resolve::{Resolve, Sums};
 use super::samples::{BLOCK, BLOCK_COLUMNS, BLOCK_PIXELS, NONE, Pattern, TileSamples};
 use super::shade::{Fragments, shade};
+use super::spread::Spread;
 use crate::render::view::View;
 use fearless_simd::prelude::*;
 
@@ -21,7 +23,11 @@ pub(super) struct Picturing<'a> {
     pub view: &'a View,
     pub resolve: Resolve,
     pub has_skin_layer: bool,
+    pub spread: Spread<'a>,
 }
+
+/// Triangles of a tile, of which there are thousands of samples: beyond that, hidden ones are forgotten.
+const MOST_DRAWN: usize = 1 << 16;
 
 /// The room that one thread draws tiles in. Kept from picture to picture.
 #[derive(Default)]
@@ -29,6 +35,8 @@ pub(super) struct TileRoom {
     samples: TileSamples,
     /// By the numbers that samples keep.
     drawn: Vec<Drawn>,
+    /// New numbers by old ones.
+    renumbered: Vec<u32>,
     looked_up: Vec<LookedUp>,
     fragments: Fragments,
     base: Sums,
@@ -87,24 +95,91 @@ impl TileRoom {
         let footprint = Footprint::of(simd, picture.pattern);
         let corner = [column * TILE[0], row * TILE[1]];
         let last = [corner[0] + TILE[0] - 1, corner[1] + TILE[1] - 1];
-        let tile = (row * picture.grid.columns + column) as usize;
-        for (index, chunk) in picture.chunks.iter().enumerate() {
-            for &entry in &chunk.bins[tile] {
-                let (place, corners) = picture.geometry.found(entry, &chunk.clipped);
-                let Some(reached) = pixels(corners, picture.grid.size, picture.pattern) else {
-                    continue;
-                };
-                let reached = reached.within(corner, last);
-                let number = self.drawn.len() as u32;
-                self.drawn.push(Drawn {
-                    chunk: index as u32,
-                    entry,
+        let tile = Rectangle {
+            min: corner,
+            max: last,
+        };
+        let geometry = &picture.geometry;
+        for chunk in picture.chunks {
+            for triangle in chunk.of_tile([column, row], &picture.grid) {
+                if self.drawn.len() >= MOST_DRAWN {
+                    if !picture.spread.is_wanted() {
+                        return;
+                    }
+                    self.forget_hidden();
+                }
+                let place = geometry.place(triangle);
+                let corners = geometry.projected_of(place);
+                let [a, b, c] = corners;
+                let drawn = Drawn {
+                    triangle,
+                    piece: 0,
                     looked_up: NONE,
-                });
-                let samples = &mut self.samples;
-                let layer = place.surface.layer;
-                raster::draw(&footprint, samples, corner, layer, number, corners, reached);
+                };
+                if !(a.is_beyond() || b.is_beyond() || c.is_beyond()) {
+                    self.triangle(&footprint, picture, tile, place, drawn, corners);
+                    continue;
+                }
+                for (piece, corners) in (0..).zip(geometry.pieces(place)) {
+                    let drawn = Drawn { piece, ..drawn };
+                    let corners = corners.map(|corner| corner.projected);
+                    self.triangle(&footprint, picture, tile, place, drawn, corners);
+                }
             }
+        }
+    }
+
+    /// A triangle, or a piece of one, into the samples of the tile.
+    #[inline(always)]
+    fn triangle<S: Simd>(
+        &mut self,
+        footprint: &Footprint<S>,
+        picture: &Picturing<'_>,
+        tile: Rectangle,
+        place: Place<'_>,
+        drawn: Drawn,
+        corners: [Projected; 3],
+    ) {
+        let Some(reached) = seen(corners, place, &picture.grid, picture.pattern) else {
+            return;
+        };
+        let reached = reached.within(tile.min, tile.max);
+        if reached.is_empty() {
+            return;
+        }
+        let number = self.drawn.len() as u32;
+        self.drawn.push(drawn);
+        let (samples, layer) = (&mut self.samples, place.surface.layer);
+        raster::draw(
+            footprint, samples, tile.min, layer, number, corners, reached,
+        );
+    }
+
+    /// Numbers those triangles anew that samples show.
+    fn forget_hidden(&mut self) {
+        let Self {
+            samples,
+            drawn,
+            renumbered,
+            ..
+        } = self;
+        renumbered.clear();
+        renumbered.resize(drawn.len(), NONE);
+        for number in samples.shown_mut() {
+            // Which one is found out below.
+            renumbered[*number as usize] = 0;
+        }
+        let mut kept = 0;
+        for (old, new) in renumbered.iter_mut().enumerate() {
+            if *new != NONE {
+                drawn[kept] = drawn[old];
+                *new = kept as u32;
+                kept += 1;
+            }
+        }
+        drawn.truncate(kept);
+        for number in samples.shown_mut() {
+            *number = renumbered[*number as usize];
         }
     }
 

@@ -14,6 +14,7 @@ use crate::render::{Instance, Picture, Segment, SolidVertex};
 use crate::scene::Samples;
 use glam::Vec4;
 use std::collections::HashMap;
+use std::ops::Range;
 use wgpu::{BufferUsages, CompareFunction, VertexStepMode};
 
 /// What a pipeline draws.
@@ -179,7 +180,8 @@ impl ShadeStage {
             .collect();
         if picture.skin_is_shown {
             let skinned = drawn.skinned.iter();
-            variants.extend(skinned.map(|place| drawn.variant(place, picture)));
+            let parts = skinned.flat_map(|place| drawn.parts(place, picture));
+            variants.extend(parts.map(|(variant, _)| variant));
         }
         for variant in variants {
             if !self.pipelines.contains_key(&variant) {
@@ -226,11 +228,13 @@ impl ShadeStage {
                 pass.set_bind_group(1, &texturing.bind_group, &[]);
                 pass.set_vertex_buffer(2, texturing.texcoords.slice(..));
             }
-            pass.set_pipeline(&self.pipelines[&drawn.variant(place, picture)]);
             pass.set_vertex_buffer(0, vertices.slice(place.positions_start..));
             pass.set_vertex_buffer(1, vertices.slice(place.normals_start..));
             pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(0..mesh.index_count, 0, 0..1);
+            for (variant, indices) in drawn.parts(place, picture) {
+                pass.set_pipeline(&self.pipelines[&variant]);
+                pass.draw_indexed(indices, 0, 0..1);
+            }
         }
     }
 
@@ -327,19 +331,30 @@ impl ShadeStage {
 }
 
 impl Drawn<'_> {
-    /// What one mesh of the skin is drawn with.
-    fn variant(&self, place: &SkinnedMesh, picture: &Picture) -> Variant {
+    /// What one mesh of the skin is drawn with, and which of its indices.
+    fn parts(
+        &self,
+        place: &SkinnedMesh,
+        picture: &Picture,
+    ) -> impl Iterator<Item = (Variant, Range<u32>)> + use<> {
         let instance = &self.instances[place.instance];
         let mesh = &instance.rig().meshes()[place.mesh];
         let uploaded = &self.rigs[place.instance].meshes[place.uploaded];
-        Variant {
-            kind: match uploaded.texturing {
-                Some(_) => Kind::TexturedSkin,
-                None => Kind::Skin,
-            },
-            samples: picture.scene.samples,
-            culled: cull::unseen(instance, mesh, &picture.scene, cull::reach(instance, mesh)),
-        }
+        let kind = match uploaded.texturing {
+            Some(_) => Kind::TexturedSkin,
+            None => Kind::Skin,
+        };
+        let samples = picture.scene.samples;
+        let reach = cull::reach(instance, mesh);
+        cull::parts(instance, mesh, &picture.scene, reach).map(move |part| {
+            let variant = Variant {
+                kind,
+                samples,
+                culled: part.culled,
+            };
+            let Range { start, end } = part.triangles;
+            (variant, 3 * start as u32..3 * end as u32)
+        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Whether a surface encloses a volume, so that its far side can never be seen. Found once at load.
 
-use crate::rig::{Facing, Mesh};
+use crate::rig::Mesh;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::collections::hash_map::DefaultHasher;
@@ -8,31 +8,143 @@ use std::hash::{Hash, Hasher};
 
 /// Of the size of a mesh: vertices this close are one, where they also move alike.
 const WELD: f64 = 1e-6;
+/// Of what a volume is a sum of: less is rounding.
+const LEAST_VOLUME: f64 = 1e-9;
 
-/// `None` of a surface that has an edge, or whose parts do not all face the same way.
-///
-/// It is closed if along each edge as many triangles run one way as run the other: then the boundary is nothing. Which way it faces is
-/// told by the sign of the volume, a sum of tetrahedra, of each part by itself.
-pub(super) fn facing(mesh: &Mesh) -> Option<Facing> {
+/// Sorts the draw triangles of a closed surface, first those whose front is the outside. How many these are; `None` of a surface that
+/// encloses nothing.
+pub(super) fn sort_by_side(mesh: &mut Mesh) -> Option<usize> {
     let welded = weld(mesh)?;
-    let triangles: Vec<[u32; 3]> = mesh
-        .draw_triangles
-        .iter()
-        .map(|triangle| triangle.map(|corner| welded[corner as usize]))
-        // What fell into a line or a point has no side.
-        .filter(|[a, b, c]| a != b && b != c && c != a)
-        .collect();
-    if triangles.is_empty() || !has_no_boundary(&triangles) {
+    // The file's own winding hangs together even where a normal says otherwise; some files have no other order than their normals.
+    let by_file = fronts_outside(mesh, &welded, &mesh.triangles);
+    let fronts_outside: Vec<bool> = match by_file {
+        Some(fronts_outside) => {
+            let own = mesh.triangles.iter().zip(&mesh.draw_triangles);
+            let is_turned = own.map(|(file, draw)| file != draw);
+            let fronts = fronts_outside.iter().zip(is_turned);
+            fronts
+                .map(|(front, is_turned)| *front != is_turned)
+                .collect()
+        }
+        None => fronts_outside(mesh, &welded, &mesh.draw_triangles)?,
+    };
+    let mut sorted = Vec::with_capacity(mesh.draw_triangles.len());
+    for wanted in [true, false] {
+        let own = mesh.draw_triangles.iter().zip(&fronts_outside);
+        sorted.extend(
+            own.filter(|(_, front)| **front == wanted)
+                .map(|(triangle, _)| *triangle),
+        );
+    }
+    mesh.draw_triangles = sorted;
+    Some(fronts_outside.iter().filter(|front| **front).count())
+}
+
+/// Of each triangle whether it is seen counter-clockwise from outside; `None` of a surface that is not closed.
+///
+/// It is made of parts that hang together by edges between two triangles; where more meet, parts only touch. A part is closed if along
+/// each edge as many triangles run one way as run the other: then its boundary is nothing. Where its outside is is told by the sign of
+/// its volume, a sum of tetrahedra.
+fn fronts_outside(mesh: &Mesh, welded: &[u32], triangles: &[[u32; 3]]) -> Option<Vec<bool>> {
+    let edges = edges(triangles, welded);
+    if edges.is_empty() {
         return None;
     }
-    let volumes = volumes(mesh, &triangles);
-    let mut volumes = volumes.into_iter();
-    if volumes.clone().all(|volume| volume > 0.0) {
-        Some(Facing::Outward)
-    } else if volumes.all(|volume| volume < 0.0) {
-        Some(Facing::Inward)
-    } else {
-        None
+    let mut parts = Parts::each_alone(triangles.len());
+    for edge in edges.chunk_by(|a, b| a.between == b.between) {
+        if let [one, other] = edge {
+            parts.join(one.triangle, other.triangle);
+        }
+    }
+    for edge in edges.chunk_by(|a, b| a.between == b.between) {
+        let mut ways: Vec<(u32, i32)> = edge
+            .iter()
+            .map(|edge| (parts.of(edge.triangle), if edge.is_upward { 1 } else { -1 }))
+            .collect();
+        ways.sort_unstable();
+        let mut of_parts = ways.chunk_by(|a, b| a.0 == b.0);
+        if !of_parts.all(|ways| ways.iter().map(|(_, way)| way).sum::<i32>() == 0) {
+            return None;
+        }
+    }
+    let mut volumes = vec![[0.0; 2]; triangles.len()];
+    // From a point of the mesh itself: far from the origin little would be left of the sum.
+    let origin = mesh.positions[welded[0] as usize].as_dvec3();
+    for (index, triangle) in triangles.iter().enumerate() {
+        let corner = |vertex: u32| mesh.positions[welded[vertex as usize] as usize].as_dvec3();
+        let [a, b, c] = triangle.map(|vertex| corner(vertex) - origin);
+        let volume = a.dot(b.cross(c));
+        let [sum, sum_of_sizes] = &mut volumes[parts.of(index as u32) as usize];
+        *sum += volume;
+        *sum_of_sizes += volume.abs();
+    }
+    let front_is_outside = |index: usize| {
+        if !has_sides(triangles[index], welded) {
+            // Nobody sees it.
+            return Some(true);
+        }
+        let [volume, of] = volumes[parts.of(index as u32) as usize];
+        (volume.abs() > LEAST_VOLUME * of).then_some(volume > 0.0)
+    };
+    (0..triangles.len()).map(front_is_outside).collect()
+}
+
+/// One of the three of a triangle.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Edge {
+    /// Two welded vertices, as one number.
+    between: u64,
+    triangle: u32,
+    /// From the lower vertex to the higher one.
+    is_upward: bool,
+}
+
+/// Those of all triangles that have sides, sorted.
+fn edges(triangles: &[[u32; 3]], welded: &[u32]) -> Vec<Edge> {
+    let mut edges = Vec::with_capacity(3 * triangles.len());
+    for (index, &triangle) in triangles.iter().enumerate() {
+        if !has_sides(triangle, welded) {
+            continue;
+        }
+        let [a, b, c] = triangle.map(|corner| welded[corner as usize]);
+        edges.extend([(a, b), (b, c), (c, a)].map(|(from, to)| Edge {
+            between: u64::from(from.min(to)) << 32 | u64::from(from.max(to)),
+            triangle: index as u32,
+            is_upward: from < to,
+        }));
+    }
+    edges.sort_unstable();
+    edges
+}
+
+/// What fell into a line or a point has none.
+fn has_sides(triangle: [u32; 3], welded: &[u32]) -> bool {
+    let [a, b, c] = triangle.map(|corner| welded[corner as usize]);
+    a != b && b != c && c != a
+}
+
+/// Which triangles hang together, as a forest: each names another of its part, and one of them itself.
+struct Parts(Vec<u32>);
+
+impl Parts {
+    fn each_alone(triangles: usize) -> Self {
+        Self((0..triangles as u32).collect())
+    }
+
+    /// The triangle that stands for the part.
+    fn of(&mut self, mut triangle: u32) -> u32 {
+        let named = &mut self.0;
+        while named[triangle as usize] != triangle {
+            // Shortens the way for whoever asks next.
+            named[triangle as usize] = named[named[triangle as usize] as usize];
+            triangle = named[triangle as usize];
+        }
+        triangle
+    }
+
+    fn join(&mut self, one: u32, other: u32) {
+        let (one, other) = (self.of(one), self.of(other));
+        self.0[other as usize] = one;
     }
 }
 
@@ -94,58 +206,10 @@ fn moves_alike(mesh: &Mesh, a: usize, b: usize) -> bool {
     mesh.influences_of(a) == mesh.influences_of(b) && displacement(a).eq(displacement(b))
 }
 
-fn has_no_boundary(triangles: &[[u32; 3]]) -> bool {
-    // An edge as one number, its lower vertex first, and which way it is run.
-    let mut edges: Vec<(u64, i64)> = triangles
-        .iter()
-        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
-        .map(|(from, to)| {
-            let (low, high) = (from.min(to), from.max(to));
-            let way = if from == low { 1 } else { -1 };
-            (u64::from(low) << 32 | u64::from(high), way)
-        })
-        .collect();
-    edges.sort_unstable();
-    edges
-        .chunk_by(|a, b| a.0 == b.0)
-        .all(|edge| edge.iter().map(|(_, way)| way).sum::<i64>() == 0)
-}
-
-/// Six times the volume of each part that hangs together.
-fn volumes(mesh: &Mesh, triangles: &[[u32; 3]]) -> Vec<f64> {
-    let mut parts: Vec<u32> = (0..mesh.positions.len() as u32).collect();
-    for &[a, b, c] in triangles {
-        for other in [b, c] {
-            let (one, other) = (root(&mut parts, a), root(&mut parts, other));
-            parts[other as usize] = one;
-        }
-    }
-    // From a point of the mesh itself: far from the origin little would be left of the sum.
-    let origin = mesh.positions[triangles[0][0] as usize].as_dvec3();
-    let mut volumes: Vec<Option<f64>> = vec![None; mesh.positions.len()];
-    for triangle in triangles {
-        let part = root(&mut parts, triangle[0]) as usize;
-        let [a, b, c] = triangle.map(|corner| mesh.positions[corner as usize].as_dvec3() - origin);
-        *volumes[part].get_or_insert(0.0) += a.dot(b.cross(c));
-    }
-    volumes.into_iter().flatten().collect()
-}
-
-/// Of the part that a vertex is of, shortening the way there.
-fn root(parts: &mut [u32], mut vertex: u32) -> u32 {
-    while parts[vertex as usize] != vertex {
-        parts[vertex as usize] = parts[parts[vertex as usize] as usize];
-        vertex = parts[vertex as usize];
-    }
-    vertex
-}
-
 #[cfg(test)]
 mod tests {
     use crate::limits::Limits;
-    use crate::rig::{
-        BindingDraft, Draft, Facing, JointDraft, Limit, Mesh, MeshDraft, RotationOrder,
-    };
+    use crate::rig::{BindingDraft, Draft, JointDraft, Limit, Mesh, MeshDraft, RotationOrder};
     use glam::{DAffine3, DVec3, Vec3};
 
     /// A cube about a point, each face with corners of its own, wound outward.
@@ -231,6 +295,12 @@ mod tests {
         mesh
     }
 
+    /// The other way round in the file, the normals as they are.
+    fn wound_backward(mut mesh: MeshDraft) -> MeshDraft {
+        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        mesh
+    }
+
     #[test]
     fn only_what_encloses_a_volume_is_closed() {
         let whole = || cube(Vec3::new(3.0, -2.0, 50.0), 0.5);
@@ -242,32 +312,63 @@ mod tests {
         nearly.positions[0] += Vec3::X * 1e-6;
         let mut folded = whole();
         folded.triangles.push([0, 0, 5]);
+        let mixed = || {
+            let mut mesh = whole();
+            mesh.triangles[3].swap(0, 1);
+            mesh
+        };
+        let mut both_mixed = mixed();
+        both_mixed
+            .normals
+            .iter_mut()
+            .flatten()
+            .skip(4)
+            .take(4)
+            .for_each(|n| *n = -*n);
         let far = || cube(Vec3::ZERO, 1.0);
+        let at_corner = || cube(Vec3::new(4.0, -1.0, 51.0), 0.5);
+        let at_edge = || cube(Vec3::new(4.0, -1.0, 50.0), 0.5);
+        let within = || cube(Vec3::new(3.0, -2.0, 50.0), 0.25);
         for (what, mesh, wanted) in [
-            ("a cube", whole(), Some(Facing::Outward)),
+            ("a cube", whole(), Some(12)),
             (
-                "a cube seen from within",
-                turned_in(whole()),
-                Some(Facing::Inward),
+                "wound the other way in the file",
+                wound_backward(whole()),
+                Some(12),
             ),
+            ("lit from within", turned_in(whole()), Some(0)),
+            (
+                "wound every way in the file, by its normals",
+                mixed(),
+                Some(12),
+            ),
+            ("with no order at all", both_mixed, None),
             ("without a triangle", open, None),
             ("with a corner that is off", torn, None),
+            ("with a corner that is hardly off", nearly, Some(12)),
+            ("with a triangle that is a line", folded, Some(13)),
+            ("two cubes", and(whole(), far()), Some(24)),
             (
-                "with a corner that is hardly off",
-                nearly,
-                Some(Facing::Outward),
-            ),
-            (
-                "with a triangle that is a line",
-                folded,
-                Some(Facing::Outward),
-            ),
-            ("two cubes", and(whole(), far()), Some(Facing::Outward)),
-            (
-                "two that face otherwise",
+                "two that are lit otherwise",
                 and(whole(), turned_in(far())),
-                None,
+                Some(12),
             ),
+            (
+                "two that are wound otherwise",
+                and(whole(), wound_backward(turned_in(far()))),
+                Some(12),
+            ),
+            (
+                "meeting in a corner",
+                and(whole(), turned_in(wound_backward(at_corner()))),
+                Some(12),
+            ),
+            (
+                "meeting along an edge",
+                and(whole(), turned_in(wound_backward(at_edge()))),
+                Some(12),
+            ),
+            ("one in the other", and(whole(), within()), Some(24)),
             (
                 "nothing",
                 MeshDraft {
@@ -276,19 +377,34 @@ mod tests {
                 },
                 None,
             ),
-            (
-                "following one joint",
-                bound(whole(), |_| 1),
-                Some(Facing::Outward),
-            ),
+            ("following one joint", bound(whole(), |_| 1), Some(12)),
             (
                 "a face that follows another joint",
                 bound(whole(), |vertex| u32::from(vertex < 4)),
                 None,
             ),
         ] {
-            assert_eq!(built(mesh).facing(), wanted, "{what}");
+            assert_eq!(built(mesh).outward_count(), wanted, "{what}");
         }
+    }
+
+    #[test]
+    fn triangles_that_a_normal_turned_come_last() {
+        let mut mesh = cube(Vec3::ZERO, 1.0);
+        // Those of the first face.
+        mesh.normals
+            .iter_mut()
+            .flatten()
+            .take(4)
+            .for_each(|normal| *normal = -*normal);
+        let mesh = built(mesh);
+        assert_eq!(mesh.outward_count(), Some(10));
+        assert_eq!(mesh.draw_triangles()[..10], mesh.triangles()[2..]);
+        let turned = [0, 1].map(|index: usize| {
+            let [a, b, c] = mesh.triangles()[index];
+            [a, c, b]
+        });
+        assert_eq!(mesh.draw_triangles()[10..], turned);
     }
 
     #[test]
@@ -300,7 +416,7 @@ mod tests {
             triangles: vec![[0, 1, 2], [0, 2, 3], [2, 1, 0], [3, 2, 0]],
             ..MeshDraft::default()
         };
-        assert_eq!(built(mesh).facing(), None);
+        assert_eq!(built(mesh).outward_count(), None);
     }
 
     #[test]
@@ -320,6 +436,6 @@ mod tests {
         mesh.influences = (0..count)
             .flat_map(|vertex| [(0, 1.0), (1, f64::from(vertex))])
             .collect();
-        assert_eq!(built(mesh).facing(), None);
+        assert_eq!(built(mesh).outward_count(), None);
     }
 }

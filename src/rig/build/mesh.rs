@@ -45,7 +45,7 @@ impl MeshBuild<'_> {
             draw_triangles,
             material: mesh.material,
             // Found once morph targets are there too.
-            facing: None,
+            outward_count: None,
             followers: Vec::new(),
             morph_reach: Vec::new(),
         })

@@ -65,7 +65,7 @@ impl Draft {
         }
         let morphs = morph::build(self.morphs, &mut meshes, limits)?;
         for mesh in &mut meshes {
-            mesh.facing = closed::facing(mesh);
+            mesh.outward_count = closed::sort_by_side(mesh);
             mesh.followers = reach::followers(mesh);
             mesh.morph_reach = reach::of_morphs(mesh);
         }
