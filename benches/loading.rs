@@ -143,7 +143,7 @@ fn main() {
     println!("with {}; medians of {ROUNDS}", engine.adapter());
     println!(
         "{:22} {:>8} {:>9} {:>8} {:>14}",
-        "", "KB", "read ms", "MB/s", "to device ms"
+        "", "KB", "read ms", "MB/s", "to vertices ms"
     );
     for character in characters() {
         let (read, uploaded) = (reading(&character), to_device(&engine, &character));

@@ -543,9 +543,8 @@ fn attachments_that_cannot_be_skipped_end_the_connection() {
         ),
     ] {
         let mut wire = server.connect();
-        wire.send(&line);
-        // Not taken for a request, nor the reason for a reset.
-        wire.send(ping(2).repeat(1000));
+        // What follows is not taken for a request, nor the reason for a reset.
+        wire.send(line.clone() + &ping(2).repeat(1000));
         assert_eq!(wire.error(1), wanted, "{line}");
         wire.assert_end();
     }
@@ -617,6 +616,27 @@ fn a_deadline_that_passed_is_said_so_and_changes_nothing() {
     assert_eq!(wire.error(8), wanted);
     assert_is_png(&png(&wire.result(9)), 16);
     assert_eq!(wire.result(10)["dofs"]["bone.rx"], 0.0);
+}
+
+#[test]
+fn a_picture_in_the_making_is_left_at_its_deadline() {
+    let service = support::service_on("cpu").expect("it needs nothing");
+    let server = TestServer::start(&service);
+    let mut wire = server.connect();
+    // One on the other, each over the whole picture: minutes of work.
+    let triangles = "f 1 2 3\n".repeat(100_000);
+    let heap = format!("v -100 -100 0\nv 100 -100 0\nv 0 200 0\n{triangles}");
+    let files = json!([{"name": "heap.obj", "text": heap}]);
+    wire.request(1, "rig.load", json!({"files": files}));
+    wire.result(1);
+    let camera = json!({"kind": "look_at", "eye": [0, 0, 2], "target": [0, 0, 0]});
+    let params = json!({"rig": "heap", "size": [4096, 4096], "camera": camera});
+    let request = json!({"jsonrpc": "2.0", "id": 2, "method": "frame.render", "params": params, "deadline_ms": 100});
+    wire.send(format!("{request}\n"));
+    // Its client waits no longer than that, nor does anybody else's picture.
+    assert_eq!(wire.error(2)["kind"], "deadline_exceeded");
+    wire.request(3, "frame.render", picture(16));
+    assert_is_png(&png(&wire.result(3)), 16);
 }
 
 #[test]

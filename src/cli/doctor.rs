@@ -59,8 +59,8 @@ fn advice(os_release: &str) -> String {
         "Mesa's Vulkan drivers"
     };
     format!(
-        "No GPU was found. Where the machine has one, its Vulkan driver is missing: NVIDIA's comes with NVIDIA's own driver, those for AMD \
-         and Intel with\n    {package}"
+        "No GPU was found. Where the machine has one, its Vulkan driver is missing or may not open the device (/dev/dri, /dev/nvidia0): \
+         NVIDIA's driver brings its own, those for AMD and Intel come with\n    {package}"
     )
 }
 

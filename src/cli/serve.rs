@@ -2,7 +2,7 @@
 
 use super::{RendererArgs, local};
 use crate::formats::Source;
-use crate::server::{Patience, Server};
+use crate::server::{Patience, Server, Stopper};
 use crate::service::Service;
 use anyhow::Context;
 use clap::Args;
@@ -10,6 +10,7 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use std::io::Write;
 use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
 
 #[derive(Args, Clone)]
 pub(super) struct ServeArgs {
@@ -25,12 +26,17 @@ pub(super) struct ServeArgs {
     renderer: RendererArgs,
 }
 
-/// Exit code of a process that a second Ctrl-C ended, as shells count it.
-const INTERRUPTED: i32 = 130;
+/// Added to a signal's number, the exit code of a process that it ended, as shells count it.
+const ENDED_BY: i32 = 128;
 
 pub(super) fn run(args: &ServeArgs) -> anyhow::Result<()> {
     // Before anything slow, so that a stop asked for meanwhile is heard.
-    let mut signals = Signals::new([SIGTERM, SIGINT]).context("cannot listen for signals")?;
+    let signals = Signals::new([SIGTERM, SIGINT]).context("cannot listen for signals")?;
+    let stopping = Arc::new(Mutex::new(None));
+    std::thread::spawn({
+        let stopping = Arc::clone(&stopping);
+        move || stop_on(signals, &stopping)
+    });
     let source = match &args.root {
         Some(folder) => Source::rooted(folder)
             .with_context(|| format!("cannot open the root folder {}", folder.display()))?,
@@ -48,17 +54,7 @@ pub(super) fn run(args: &ServeArgs) -> anyhow::Result<()> {
             "warning: {address} can be reached from other machines, and whoever reaches it may load and draw rigs"
         );
     }
-    let stopper = server.stopper()?;
-    std::thread::spawn(move || {
-        let mut asked = signals.forever();
-        if asked.next().is_some() {
-            eprintln!("rigd: stopping; requests in hand are answered first");
-            stopper.stop();
-        }
-        if asked.next().is_some() {
-            std::process::exit(INTERRUPTED);
-        }
-    });
+    *stopping.lock().unwrap_or_else(PoisonError::into_inner) = Some(server.stopper()?);
     // On its own line and flushed, so that a script can wait for it and read the port.
     println!("rigd {} listening on {address}", env!("CARGO_PKG_VERSION"));
     println!("rig `{}` loaded, drawing with {adapter}", loaded.name);
@@ -66,4 +62,16 @@ pub(super) fn run(args: &ServeArgs) -> anyhow::Result<()> {
     let _ = std::io::stdout().flush();
     server.run()?;
     Ok(())
+}
+
+/// The first signal stops the server, one before there is a server or a second one ends the process at once.
+fn stop_on(mut signals: Signals, server: &Mutex<Option<Stopper>>) {
+    for signal in signals.forever() {
+        let stopper = server.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let Some(stopper) = stopper else {
+            std::process::exit(ENDED_BY + signal);
+        };
+        eprintln!("rigd: stopping; requests in hand are answered first");
+        stopper.stop();
+    }
 }

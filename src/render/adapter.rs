@@ -128,6 +128,8 @@ impl AdapterChoice {
             Self::Auto => true,
             Self::Cpu => info.kind == AdapterKind::Cpu,
             Self::Backend(backend) => info.backend == backend.name(),
+            // Every name contains nothing.
+            Self::Named(name) if name.trim().is_empty() => false,
             Self::Named(name) => info.name.to_lowercase().contains(&name.to_lowercase()),
         }
     }
