@@ -9,9 +9,9 @@
 //! | [`server`] | [`service`] [`limits`] | listener, connections, bounded lines, shutdown; knows no method |
 //! | [`client`] | [`protocol`] | a typed blocking client |
 //! | [`service`] | [`protocol`] [`engine`] [`rig`] [`formats`] [`scene`] [`pose`] [`pick`] [`frame`] [`encode`] [`limits`] | a line in, a line out; one file for each family of methods |
-//! | [`engine`] | [`rig`] [`formats`] [`pose`] [`pick`] [`scene`] [`frame`] [`render`] [`encode`] [`limits`] | the use-cases in plain types; the store of rigs; whoever draws: the thread that owns the device, or the pool |
+//! | [`engine`] | [`rig`] [`formats`] [`pose`] [`pick`] [`scene`] [`frame`] [`render`] [`limits`] | the use-cases in plain types; the store of rigs; whoever draws: the thread that owns the device, or the pool |
 //! | [`render`] | [`rig`] [`pose`] [`scene`] [`frame`] [`limits`] | a plan and two renderers of it, [`render::gpu`] and [`render::cpu`], which never name each other |
-//! | [`encode`] | [`frame`] [`scene`] | from frames to PNG, animated PNG and GIF; the pool of threads |
+//! | [`encode`] | [`frame`] [`scene`] | from frames to PNG, animated PNG and GIF |
 //! | [`formats`] | [`rig`] [`limits`] | files to rigs, and where files come from |
 //! | [`pick`] | [`rig`] [`pose`] [`scene`] [`frame`] | rays against bones and skin |
 //! | [`pose`] | [`rig`] | joint angles, limits, forward kinematics, the skinning palette |
@@ -27,7 +27,7 @@
 //! | `wgpu` `pollster` | [`render::gpu`] |
 //! | `bytemuck` | [`render::gpu`] [`render`] [`rig`] [`pose`] |
 //! | `png` `gif` `color_quant` | [`encode`] |
-//! | `rayon` | [`encode`] [`render::cpu`] |
+//! | `rayon` | [`engine`] [`render::cpu`] |
 //! | `fearless_simd` | [`render::cpu`] |
 //! | `image` | [`encode`] [`formats`] |
 //! | `cap_std` `sha2` | [`formats`] |

@@ -2,6 +2,8 @@
 
 mod admission;
 mod error;
+mod pool;
+mod recent;
 mod store;
 mod worker;
 
@@ -11,7 +13,6 @@ pub use error::EngineError;
 pub use store::{LoadedRig, RigRef};
 pub use worker::{Timings, Urgency};
 
-use crate::encode::Pool;
 use crate::formats::{self, FileRef, Source};
 use crate::frame::{Frame, SkinnedVertices};
 use crate::limits::Limits;
@@ -19,6 +20,7 @@ use crate::pick::{self, Hit, Targets};
 use crate::pose::{Clamped, Pose, PoseEdit, Posed, Skinning};
 use crate::render::{self, Capabilities, Outputs, Plan};
 use crate::scene::{BoneRadius, Ray, Scene, Shape, VertexQuery};
+use pool::Pool;
 use std::num::NonZeroUsize;
 use std::sync::{Arc, Mutex, PoisonError};
 use store::Store;
@@ -86,7 +88,7 @@ impl RigRef {
         edit: &PoseEdit,
     ) -> Result<(Arc<Posed>, Vec<Clamped>), EngineError> {
         let (pose, clamped) = self.start(base).edited(edit)?;
-        Ok((Arc::new(Posed::new(&pose)?), clamped))
+        Ok((self.loaded.recent.posed(pose)?, clamped))
     }
 }
 

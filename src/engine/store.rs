@@ -1,6 +1,7 @@
 //! The loaded rigs by name, each with its stored pose.
 
 use super::EngineError;
+use super::recent::RecentPoses;
 use crate::formats::Loaded;
 use crate::limits::Limits;
 use crate::pose::{Clamped, Pose, Posed, Skinning};
@@ -26,6 +27,7 @@ pub struct LoadedRig {
     with_boxes: Bounds,
     /// Of vertices as they were modelled; that of the rest where there are none.
     bind_bounds: Bounds,
+    pub(super) recent: RecentPoses,
 }
 
 impl LoadedRig {
@@ -55,6 +57,7 @@ impl LoadedRig {
             rest_bounds,
             with_boxes,
             bind_bounds: bind_bounds.unwrap_or(rest_bounds),
+            recent: RecentPoses::default(),
         })
     }
 
@@ -243,7 +246,7 @@ fn bounds_of(posed: &Posed) -> Bounds {
         .rig()
         .meshes()
         .iter()
-        .flat_map(|mesh| cpu::skin_mesh(mesh, &palette, posed.morph_weights()).0);
+        .flat_map(|mesh| cpu::skin_mesh(mesh, palette, posed.morph_weights()).0);
     let joints = posed
         .world_from_joint()
         .iter()

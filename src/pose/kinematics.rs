@@ -3,7 +3,7 @@
 use super::{Palette, Pose, Skinning};
 use crate::rig::{Binding, Rig};
 use glam::{DAffine3, DVec3};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A pose worked out: what skinning and drawing need, of one rig, unable to be wrong any more.
 #[derive(Debug)]
@@ -12,6 +12,8 @@ pub struct Posed {
     world_from_joint: Vec<DAffine3>,
     /// One per binding.
     model_from_bind: Vec<DAffine3>,
+    /// Made when first asked for, by the ways of skinning.
+    palettes: [OnceLock<Palette>; 2],
     morph_weights: Vec<f32>,
 }
 
@@ -89,6 +91,7 @@ impl Posed {
         Ok(Self {
             world_from_joint,
             model_from_bind,
+            palettes: Default::default(),
             morph_weights,
             rig,
         })
@@ -103,8 +106,13 @@ impl Posed {
         &self.world_from_joint
     }
 
-    pub fn palette(&self, skinning: Skinning) -> Palette {
-        Palette::rounded(&self.model_from_bind, skinning)
+    pub fn palette(&self, skinning: Skinning) -> &Palette {
+        let [linear, dual_quaternion] = &self.palettes;
+        let palette = match skinning {
+            Skinning::Linear => linear,
+            Skinning::DualQuaternion => dual_quaternion,
+        };
+        palette.get_or_init(|| Palette::rounded(&self.model_from_bind, skinning))
     }
 
     /// One per morph target of the rig.

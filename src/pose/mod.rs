@@ -26,6 +26,17 @@ enum Rotation {
 }
 
 impl Rotation {
+    /// To the bit.
+    fn is_same(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::Angles(one), Self::Angles(other)) => is_same(&one.to_array(), &other.to_array()),
+            (Self::Quaternion(one), Self::Quaternion(other)) => {
+                is_same(&one.to_array(), &other.to_array())
+            }
+            _ => false,
+        }
+    }
+
     fn angles(self, joint: &Joint) -> DVec3 {
         match self {
             Self::Angles(angles) => angles,
@@ -39,6 +50,11 @@ impl Rotation {
             Self::Quaternion(quaternion) => quaternion,
         }
     }
+}
+
+fn is_same(one: &[f64], other: &[f64]) -> bool {
+    let pairs = one.iter().zip(other);
+    one.len() == other.len() && pairs.map(|(a, b)| a.to_bits() == b.to_bits()).all(|it| it)
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -109,6 +125,17 @@ pub struct OutsideLimits {
 }
 
 impl Pose {
+    /// To the bit, so that everything that is worked out from both is the same.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let mut joints = self.joints.iter().zip(&other.joints);
+        Arc::ptr_eq(&self.rig, &other.rig)
+            && joints.all(|(one, other)| {
+                is_same(&one.displacement.to_array(), &other.displacement.to_array())
+                    && one.rotation.is_same(other.rotation)
+            })
+            && is_same(&self.morph_weights, &other.morph_weights)
+    }
+
     /// The file's own pose.
     pub fn rest(rig: &Arc<Rig>) -> Self {
         let at_rest = |joint: &Joint| JointPose {

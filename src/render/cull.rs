@@ -62,7 +62,7 @@ fn is_ahead(bounds: &Bounds, camera: &Camera) -> bool {
 /// A box that no vertex of `mesh` leaves, found without skinning one: what follows a binding lies in its box, and where a vertex follows
 /// several it lies between. `None` for ways of skinning of which that is not so.
 pub(super) fn reach(instance: &Instance, mesh: &Mesh) -> Option<Bounds> {
-    let Palette::Linear(palette) = &instance.palette else {
+    let Palette::Linear(palette) = instance.palette() else {
         return None;
     };
     if mesh.has_negative_weights() {
@@ -71,7 +71,7 @@ pub(super) fn reach(instance: &Instance, mesh: &Mesh) -> Option<Bounds> {
     let morphed = mesh
         .morph_reach()
         .iter()
-        .map(|&(morph, furthest)| f64::from(instance.morph_weights[morph].abs() * furthest))
+        .map(|&(morph, furthest)| f64::from(instance.morph_weights()[morph].abs() * furthest))
         .sum();
     let followers = mesh.followers().iter().map(|followers| {
         let rows = palette[followers.binding as usize].rows;
@@ -100,7 +100,7 @@ fn is_mirrored(instance: &Instance, mesh: &Mesh) -> bool {
     let mut followed = mesh.followers().iter();
     followed.any(|followers| {
         let binding = followers.binding as usize;
-        let rows = match &instance.palette {
+        let rows = match instance.palette() {
             Palette::Linear(palette) => palette[binding].rows,
             Palette::DualQuaternion(palette) => palette[binding].stretch,
         };

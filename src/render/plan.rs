@@ -36,14 +36,19 @@ pub struct Plan {
     pub wanted: Wanted,
 }
 
-/// A rig in a pose, ready to be skinned.
+/// A rig in a pose, ready to be skinned. A clone of it is the same one.
 #[derive(Debug, Clone)]
 pub struct Instance {
     posed: Arc<Posed>,
-    /// One entry per binding, as the shape wants it.
-    pub palette: Palette,
-    /// One per morph target.
-    pub morph_weights: Vec<f32>,
+    skinning: Skinning,
+    /// What to skin by where the pose does not count.
+    as_modelled: Option<Arc<AsModelled>>,
+}
+
+#[derive(Debug)]
+struct AsModelled {
+    palette: Palette,
+    morph_weights: Vec<f32>,
 }
 
 /// What a plan is for.
@@ -81,18 +86,44 @@ impl Picture {
 impl Instance {
     /// As modelled, a mesh follows neither joints nor morph targets.
     pub fn new(posed: Arc<Posed>, shape: Shape, skinning: Skinning) -> Self {
-        let (palette, morph_weights) = match shape {
-            Shape::Posed => (posed.palette(skinning), posed.morph_weights().to_vec()),
-            Shape::Bind => {
-                let weights = vec![0.0; posed.morph_weights().len()];
-                (Palette::bind(posed.rig(), skinning), weights)
-            }
+        let as_modelled = match shape {
+            Shape::Posed => None,
+            Shape::Bind => Some(Arc::new(AsModelled {
+                palette: Palette::bind(posed.rig(), skinning),
+                morph_weights: vec![0.0; posed.morph_weights().len()],
+            })),
         };
         Self {
             posed,
-            palette,
-            morph_weights,
+            skinning,
+            as_modelled,
         }
+    }
+
+    /// One entry per binding, as the shape wants it.
+    pub fn palette(&self) -> &Palette {
+        match &self.as_modelled {
+            Some(as_modelled) => &as_modelled.palette,
+            None => self.posed.palette(self.skinning),
+        }
+    }
+
+    /// One per morph target.
+    pub fn morph_weights(&self) -> &[f32] {
+        match &self.as_modelled {
+            Some(as_modelled) => &as_modelled.morph_weights,
+            None => self.posed.morph_weights(),
+        }
+    }
+
+    /// Whether the vertices of both are the same, as far as can be told without looking at numbers.
+    pub fn is_skinned_like(&self, other: &Self) -> bool {
+        let is_same = match (&self.as_modelled, &other.as_modelled) {
+            (None, None) => Arc::ptr_eq(&self.posed, &other.posed),
+            (Some(_), Some(_)) => Arc::ptr_eq(self.rig(), other.rig()),
+            _ => false,
+        };
+        is_same && self.skinning == other.skinning
     }
 
     pub fn rig(&self) -> &Arc<Rig> {
@@ -101,6 +132,14 @@ impl Instance {
 }
 
 impl Plan {
+    /// Those of which a picture shows skin.
+    pub fn shown_instances(&self) -> &[Instance] {
+        match &self.wanted {
+            Wanted::Picture(picture) if !picture.skin_is_shown => &[],
+            Wanted::Picture(_) | Wanted::Vertices(_) => &self.instances,
+        }
+    }
+
     /// One rig, one picture. A rig with no skin shows its skeleton, also where the scene says nothing of it. `rig_size` is that of the
     /// rest bounds.
     pub fn picture(posed: Arc<Posed>, skinning: Skinning, scene: Scene, rig_size: f64) -> Self {

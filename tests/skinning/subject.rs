@@ -240,7 +240,7 @@ fn skinned_by_cpu(posed: &Posed, skinning: Skinning) -> Found {
     };
     let mesh = &posed.rig().meshes()[0];
     let palette = posed.palette(skinning);
-    let (positions, normals) = cpu::skin_mesh(mesh, &palette, posed.morph_weights());
+    let (positions, normals) = cpu::skin_mesh(mesh, palette, posed.morph_weights());
     let vertices = positions.into_iter().zip(normals);
     vertices
         .map(|(position, normal)| [position, normal])

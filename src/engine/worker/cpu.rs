@@ -2,8 +2,8 @@
 //! goes on to encode what it has drawn.
 
 use super::job::{Job, Reply, Timings};
-use crate::encode::Pool;
 use crate::engine::EngineError;
+use crate::engine::pool::Pool;
 use crate::render::Outputs;
 use crate::render::cpu::{Cores, Cpu, Spread};
 use std::panic::{AssertUnwindSafe, catch_unwind};

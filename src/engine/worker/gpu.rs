@@ -1,7 +1,7 @@
 //! The one thread that owns the device. It takes what waits, keeps a few plans in flight, and hands results to the pool.
 
 use super::job::{Job, Reply, Timings, Urgency};
-use crate::encode::Pool;
+use crate::engine::pool::Pool;
 use crate::engine::{EngineError, RendererChoice};
 use crate::render::gpu::{Gpu, InFlight};
 use crate::render::{AdapterError, Outputs, RenderError};

@@ -8,7 +8,7 @@ pub(super) use job::Job;
 pub use job::{Timings, Urgency};
 
 use super::RendererChoice;
-use crate::encode::Pool;
+use crate::engine::pool::Pool;
 use crate::render::{AdapterError, AdapterInfo, Capabilities, Renderer};
 use cpu::CpuWorker;
 use gpu::{GpuWorker, Message};

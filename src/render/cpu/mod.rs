@@ -146,8 +146,8 @@ impl<'a> SkinJob<'a> {
     fn new(instance: &'a Instance, mesh: &'a Mesh) -> Self {
         Self {
             mesh,
-            palette: &instance.palette,
-            morph_weights: &instance.morph_weights,
+            palette: instance.palette(),
+            morph_weights: instance.morph_weights(),
         }
     }
 }

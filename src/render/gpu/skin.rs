@@ -153,7 +153,7 @@ impl SkinStage {
         rigs: &[&GpuRig],
     ) -> Vec<SkinnedMesh> {
         for instance in instances {
-            self.prepare(device, instance.palette.skinning());
+            self.prepare(device, instance.palette().skinning());
         }
         let Scratch {
             palette,
@@ -167,9 +167,9 @@ impl SkinStage {
         let mut floats: u32 = 0;
         for (instance, (of_instance, rig)) in instances.iter().zip(rigs).enumerate() {
             let first_row = palette.len() as u32;
-            palette.extend_from_slice(of_instance.palette.rows());
+            palette.extend_from_slice(of_instance.palette().rows());
             let first_morph_weight = morph_weights.len() as u32;
-            morph_weights.extend_from_slice(&of_instance.morph_weights);
+            morph_weights.extend_from_slice(of_instance.morph_weights());
             for (
                 uploaded,
                 GpuMesh {
@@ -233,7 +233,7 @@ impl SkinStage {
         let mut pass = encoder.begin_compute_pass(&descriptor);
         let mut offset = 0;
         for (instance, rig) in instances.iter().zip(rigs) {
-            pass.set_pipeline(&self.pipelines[&instance.palette.skinning()]);
+            pass.set_pipeline(&self.pipelines[&instance.palette().skinning()]);
             for mesh in &rig.meshes {
                 pass.set_bind_group(0, &self.bind_group, &[offset]);
                 pass.set_bind_group(1, &mesh.bind_group, &[]);

@@ -1,4 +1,4 @@
-//! The threads that encode, and draw where there is no GPU. Never lives here: what they do.
+//! The threads that pack and write out what was drawn, and draw it where there is no GPU. Never lives here: what they do.
 
 use std::num::NonZeroUsize;
 use std::thread::available_parallelism;
