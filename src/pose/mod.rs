@@ -53,8 +53,8 @@ impl Rotation {
 }
 
 fn is_same(one: &[f64], other: &[f64]) -> bool {
-    let pairs = one.iter().zip(other);
-    one.len() == other.len() && pairs.map(|(a, b)| a.to_bits() == b.to_bits()).all(|it| it)
+    let mut pairs = one.iter().zip(other);
+    one.len() == other.len() && pairs.all(|(a, b)| a.to_bits() == b.to_bits())
 }
 
 #[derive(Debug, Clone, Copy)]

@@ -1,77 +1,150 @@
 //! Plans drawn on the CPU, by the threads of the pool: each that waits by a thread of its own, a lone one by all of them. Each thread
 //! goes on to encode what it has drawn.
 
-use super::job::{Job, Reply, Timings};
+use super::job::{Job, Timings, Urgency};
+use super::skins::{Claim, Skins};
 use crate::engine::EngineError;
 use crate::engine::pool::Pool;
-use crate::render::Outputs;
-use crate::render::cpu::{Cores, Cpu, Spread};
+use crate::render::cpu::{Cores, Cpu, Skinned, Spread};
+use crate::render::{Instance, Outputs, Plan, Wanted};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-pub(super) struct CpuWorker {
-    cpu: Arc<Cpu>,
+/// A handle; what it stands for lives as long as there is work.
+pub(super) struct CpuWorker(Arc<Shared>);
+
+struct Shared {
+    cpu: Cpu,
     pool: Arc<Pool>,
-    /// Jobs that wait or are being drawn.
-    in_hand: Arc<AtomicUsize>,
+    skins: Skins,
+    /// Jobs that wait or are being worked on.
+    in_hand: AtomicUsize,
 }
+
+/// Influences and displacements of morph targets that are worth sharing out among the cores while other jobs wait: a millisecond's.
+const HEAVY: usize = 1 << 18;
 
 impl CpuWorker {
     pub fn new(cpu: Cpu, pool: Arc<Pool>) -> Self {
-        Self {
-            cpu: Arc::new(cpu),
+        Self(Arc::new(Shared {
+            cpu,
             pool,
-            in_hand: Arc::default(),
-        }
+            skins: Skins::default(),
+            in_hand: AtomicUsize::new(0),
+        }))
     }
 
     /// Lets go of memory that large rigs made necessary.
     pub fn sweep(&self) {
-        self.cpu.sweep();
+        self.0.skins.sweep();
+        self.0.cpu.sweep();
     }
 
     pub fn take(&self, job: Job) {
-        let (cpu, in_hand) = (Arc::clone(&self.cpu), Arc::clone(&self.in_hand));
-        in_hand.fetch_add(1, Ordering::Relaxed);
-        self.pool.spawn(move || {
-            let cores = match in_hand.load(Ordering::Relaxed) {
-                1 => Cores::All,
-                _ => Cores::One,
-            };
-            let (reply, result) = draw(&cpu, job, cores);
-            in_hand.fetch_sub(1, Ordering::Relaxed);
-            reply.send(result);
-        });
+        self.0.in_hand.fetch_add(1, Ordering::Relaxed);
+        self.0.spawn(job);
     }
 }
 
-type Drawn = (Reply, Result<(Outputs, Timings), EngineError>);
-
-fn draw(cpu: &Cpu, job: Job, cores: Cores) -> Drawn {
-    let Job {
-        plan,
-        urgency,
-        taken,
-        reply,
-    } = job;
-    if let Err(error) = urgency.check() {
-        return (reply, Err(error));
+impl Shared {
+    fn spawn(self: &Arc<Self>, job: Job) {
+        let shared = Arc::clone(self);
+        self.pool.spawn(move || shared.work(job));
     }
-    let started = Instant::now();
-    // What a panic leaves half-done is room to work in, which is filled anew for each plan.
-    let is_wanted = || urgency.check().is_ok();
-    let caught = catch_unwind(AssertUnwindSafe(|| {
-        cpu.render(&plan, Spread::over(cores, &is_wanted))
-    }));
-    let result = match caught {
-        Ok(Some(outputs)) => Ok((outputs, Timings::of(taken, started))),
-        // Whatever made it unwanted still does.
-        Ok(None) => Err(urgency.check().err().unwrap_or(EngineError::Cancelled)),
-        Err(_) => Err(EngineError::Internal {
-            reason: "the renderer panicked".to_owned(),
-        }),
-    };
-    (reply, result)
+
+    fn work(self: &Arc<Self>, job: Job) {
+        let started = Instant::now();
+        if let Err(error) = job.urgency.check() {
+            return self.answer(job, started, Err(error));
+        }
+        if let Wanted::Vertices(_) = job.plan.wanted {
+            let vertices = self.guarded(&job.urgency, |spread| self.cpu.render(&job.plan, spread));
+            return self.answer(job, started, vertices);
+        }
+        match self.skins.claim(job) {
+            Claim::Made(job, skinned) => self.draw(job, started, &skinned),
+            Claim::Make(job, making) => {
+                let instances = job.plan.shown_instances();
+                let is_wanted = || job.urgency.check().is_ok() || self.skins.is_awaited(&making);
+                let cores = match self.cores() {
+                    Cores::One if work_of(instances) < HEAVY => Cores::One,
+                    _ => Cores::All,
+                };
+                let spread = Spread::over(cores, &is_wanted);
+                let skinned =
+                    caught(|| self.cpu.skin(instances, spread)).map(|it| it.map(Arc::new));
+                let made = skinned.as_ref().ok().and_then(Option::as_ref);
+                for waiting in self.skins.made(&making, made) {
+                    self.spawn(waiting);
+                }
+                match skinned {
+                    Ok(Some(skinned)) => self.draw(job, started, &skinned),
+                    Ok(None) => {
+                        let unwanted = unwanted(&job.urgency);
+                        self.answer(job, started, Err(unwanted));
+                    }
+                    Err(error) => self.answer(job, started, Err(error)),
+                }
+            }
+            Claim::Wait => {}
+        }
+    }
+
+    fn draw(&self, job: Job, started: Instant, skinned: &Skinned) {
+        let Plan { wanted, .. } = &job.plan;
+        let frame = match wanted {
+            Wanted::Picture(picture) => self.guarded(&job.urgency, |spread| {
+                let frame = self.cpu.draw(&job.plan, picture, skinned, spread)?;
+                Some(Outputs::Picture(frame))
+            }),
+            Wanted::Vertices(_) => Err(EngineError::mismatched()),
+        };
+        self.answer(job, started, frame);
+    }
+
+    fn guarded(
+        &self,
+        urgency: &Urgency,
+        work: impl FnOnce(Spread<'_>) -> Option<Outputs>,
+    ) -> Result<Outputs, EngineError> {
+        let is_wanted = || urgency.check().is_ok();
+        let outputs = caught(|| work(Spread::over(self.cores(), &is_wanted)))?;
+        outputs.ok_or_else(|| unwanted(urgency))
+    }
+
+    fn cores(&self) -> Cores {
+        match self.in_hand.load(Ordering::Relaxed) {
+            1 => Cores::All,
+            _ => Cores::One,
+        }
+    }
+
+    fn answer(&self, job: Job, started: Instant, outputs: Result<Outputs, EngineError>) {
+        self.in_hand.fetch_sub(1, Ordering::Relaxed);
+        let timings = Timings::of(job.taken, started);
+        job.reply.send(outputs.map(|outputs| (outputs, timings)));
+    }
+}
+
+/// What a panic leaves half-done is room to work in, which is filled anew for each plan.
+fn caught<T>(work: impl FnOnce() -> T) -> Result<T, EngineError> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|_| EngineError::Internal {
+        reason: "the renderer panicked".to_owned(),
+    })
+}
+
+/// Why work was left. Whatever made it unwanted still does.
+fn unwanted(urgency: &Urgency) -> EngineError {
+    urgency.check().err().unwrap_or(EngineError::Cancelled)
+}
+
+fn work_of(instances: &[Instance]) -> usize {
+    let meshes = instances
+        .iter()
+        .flat_map(|instance| instance.rig().meshes());
+    meshes
+        .map(|mesh| mesh.influences().len() + mesh.morph_displacements().len())
+        .sum()
 }

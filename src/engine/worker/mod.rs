@@ -3,6 +3,7 @@
 mod cpu;
 mod gpu;
 mod job;
+mod skins;
 
 pub(super) use job::Job;
 pub use job::{Timings, Urgency};

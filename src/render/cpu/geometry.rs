@@ -9,11 +9,15 @@ use crate::rig::{Mesh, Rig, Texture};
 use glam::Vec2;
 
 /// Triangles that are painted alike.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Surface<'a> {
-    /// Of three vertices each, counted from `first_vertex`.
+    /// Of three of its own vertices each.
     pub triangles: &'a [[u32; 3]],
     pub first_triangle: u32,
+    /// In world space, one for each of its vertices; lines have none.
+    pub positions: &'a [[f32; 3]],
+    pub normals: &'a [[f32; 3]],
+    /// Where among all that are projected its vertices start.
     pub first_vertex: u32,
     pub paint: Paint<'a>,
     pub layer: Layer,
@@ -22,19 +26,21 @@ pub(super) struct Surface<'a> {
 }
 
 /// Which color a surface scatters.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) enum Paint<'a> {
     /// Each segment's own color, unlit; two triangles to a segment.
     Lines(&'a [Segment]),
     /// Each triangle's own color.
     Solids(&'a [SolidVertex]),
+    #[default]
     Plain,
     Textured(&'a Texture, &'a [Vec2]),
 }
 
 /// What a sample is kept in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Layer {
+    #[default]
     Base,
     /// A translucent skin, laid over the base at the end.
     Skin,
@@ -45,11 +51,8 @@ pub(super) enum Layer {
 pub(super) struct Geometry<'a> {
     /// In the order of their triangles.
     pub surfaces: &'a [Surface<'a>],
-    /// One per vertex.
+    /// Every vertex.
     pub projected: &'a [Projected],
-    /// In world space, one per vertex but those of lines, which come last.
-    pub positions: &'a [[f32; 3]],
-    pub normals: &'a [[f32; 3]],
     /// Of the vertices of lines.
     pub line_corners: &'a [[f32; 4]],
     /// What cuts those that reach too far.
@@ -121,10 +124,10 @@ impl<'a> Geometry<'a> {
     /// Of a triangle with a corner that [is beyond](Projected::is_beyond).
     pub fn pieces(&self, place: Place<'a>) -> impl Iterator<Item = [Corner; 3]> {
         let whole = self.whole_corners(place);
-        let vertices = place.vertices();
+        let own = place.surface.triangles[place.triangle];
         let unplaced = [0, 1, 2].map(|corner| Unplaced {
             clip: match place.surface.paint {
-                Paint::Lines(_) => self.line_corners[vertices[corner] - self.positions.len()],
+                Paint::Lines(_) => self.line_corners[own[corner] as usize],
                 _ => self.projection.clip_of(whole[corner].position),
             },
             corner: whole[corner],
@@ -146,18 +149,23 @@ impl<'a> Geometry<'a> {
 
     #[inline(always)]
     fn whole_corners(&self, place: Place<'a>) -> [Corner; 3] {
-        let own = place.surface.triangles[place.triangle];
+        let Surface {
+            triangles,
+            positions,
+            normals,
+            paint,
+            ..
+        } = place.surface;
+        let own = triangles[place.triangle].map(|own| own as usize);
         let mut corners = [Corner::default(); 3];
         for ((corner, vertex), own) in corners.iter_mut().zip(place.vertices()).zip(own) {
             corner.projected = self.projected[vertex];
             // Lines have neither.
-            if let (Some(position), Some(normal)) =
-                (self.positions.get(vertex), self.normals.get(vertex))
-            {
+            if let (Some(position), Some(normal)) = (positions.get(own), normals.get(own)) {
                 (corner.position, corner.normal) = (*position, *normal);
             }
-            if let Paint::Textured(_, texcoords) = place.surface.paint {
-                corner.texcoord = texcoords[own as usize].to_array();
+            if let Paint::Textured(_, texcoords) = paint {
+                corner.texcoord = texcoords[own].to_array();
             }
         }
         corners

@@ -16,11 +16,13 @@ mod room;
 mod samples;
 mod shade;
 mod skin;
+mod skinned;
 mod spread;
 mod texture;
 mod tile;
 
 pub use skin::skin_mesh;
+pub use skinned::Skinned;
 pub use spread::{Cores, Spread};
 
 use super::{AdapterInfo, AdapterKind, Capabilities, Instance, Outputs, Plan, Wanted};
@@ -30,6 +32,7 @@ use crate::scene::VertexQuery;
 use fearless_simd::Level;
 use room::{Room, Rooms};
 use skin::SkinJob;
+use skinned::Vertices;
 use std::sync::Arc;
 use tile::TileRoom;
 
@@ -39,8 +42,9 @@ const PORTION: usize = 4096;
 /// A renderer. Any number of threads may use it at a time; what it keeps is room to work in.
 pub struct Cpu {
     level: Level,
-    rooms: Rooms<Room>,
-    tile_rooms: Rooms<TileRoom>,
+    skins: Arc<Rooms<Vertices>>,
+    rooms: Arc<Rooms<Room>>,
+    tile_rooms: Arc<Rooms<TileRoom>>,
     pixels: Arc<SparePixels>,
 }
 
@@ -55,8 +59,9 @@ impl Cpu {
     fn with(level: Level) -> Self {
         Self {
             level,
-            rooms: Rooms::default(),
-            tile_rooms: Rooms::default(),
+            skins: Arc::default(),
+            rooms: Arc::default(),
+            tile_rooms: Arc::default(),
             pixels: Arc::default(),
         }
     }
@@ -88,7 +93,8 @@ impl Cpu {
     pub fn render(&self, plan: &Plan, spread: Spread<'_>) -> Option<Outputs> {
         match &plan.wanted {
             Wanted::Picture(picture) => {
-                let frame = self.draw(&plan.instances, picture, spread)?;
+                let skinned = self.skin(plan.shown_instances(), spread)?;
+                let frame = self.draw(plan, picture, &skinned, spread)?;
                 Some(Outputs::Picture(frame))
             }
             Wanted::Vertices(queries) => {
@@ -107,36 +113,50 @@ impl Cpu {
         spread: Spread<'_>,
     ) -> SkinnedVertices {
         let mut positions = vec![0.0f32; 3 * query.count];
-        let mut normals = positions.clone();
-        self.skin(
+        let mut normals = query.normals.then(|| positions.clone());
+        self.skin_range(
             &SkinJob::new(instance, &instance.rig().meshes()[query.mesh]),
             query.start,
             bytemuck::cast_slice_mut(&mut positions),
-            bytemuck::cast_slice_mut(&mut normals),
+            normals.as_deref_mut().map(bytemuck::cast_slice_mut),
             spread,
         );
         SkinnedVertices {
             vertex_count: query.count,
             positions: query.positions.then_some(positions),
-            normals: query.normals.then_some(normals),
+            normals,
         }
     }
 
-    fn skin(
+    fn skin_range(
         &self,
         job: &SkinJob<'_>,
         first: usize,
         positions: &mut [[f32; 3]],
-        normals: &mut [[f32; 3]],
+        normals: Option<&mut [[f32; 3]]>,
         spread: Spread<'_>,
     ) {
-        spread.pairs_of_portions(positions, normals, PORTION, |index, positions, normals| {
-            job.run(self.level, first + index * PORTION, positions, normals);
-        });
+        let start = |index: usize| first + index * PORTION;
+        match normals {
+            Some(normals) => {
+                spread.pairs_of_portions(
+                    positions,
+                    normals,
+                    PORTION,
+                    |index, positions, normals| {
+                        job.run(self.level, start(index), positions, Some(normals));
+                    },
+                );
+            }
+            None => spread.portions(positions, PORTION, |index, positions| {
+                job.run(self.level, start(index), positions, None);
+            }),
+        }
     }
 
     /// Lets go of memory that is kept for pictures to come.
     pub fn sweep(&self) {
+        self.skins.clear();
         self.rooms.clear();
         self.tile_rooms.clear();
     }

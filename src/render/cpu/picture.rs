@@ -7,14 +7,13 @@ use super::project::{Projected, Projection};
 use super::resolve::Resolve;
 use super::room::Room;
 use super::samples::Pattern;
-use super::skin::SkinJob;
+use super::skinned::{Skinned, Vertices, in_order};
 use super::tile::Picturing;
 use super::{Cpu, PORTION, Spread};
 use crate::frame::Frame;
 use crate::render::cull;
 use crate::render::view::View;
-use crate::render::{Instance, Picture};
-use crate::rig::Mesh;
+use crate::render::{Picture, Plan};
 use crate::scene::Bounds;
 use fearless_simd::dispatch;
 use glam::Vec3;
@@ -22,39 +21,32 @@ use glam::Vec3;
 /// What there is to draw.
 #[derive(Clone, Copy)]
 struct Subject<'a> {
-    instances: &'a [Instance],
+    plan: &'a Plan,
     picture: &'a Picture,
+    /// The vertices of those instances that are shown.
+    skin: &'a Vertices,
 }
 
-impl<'a> Subject<'a> {
-    /// The meshes that are shown.
-    fn skin(self) -> impl Iterator<Item = (&'a Instance, &'a Mesh)> {
-        let is_shown = self.picture.skin_is_shown;
-        let instances = self.instances.iter().filter(move |_| is_shown);
-        instances.flat_map(|instance| {
-            let meshes = instance.rig().meshes().iter();
-            meshes.map(move |mesh| (instance, mesh))
-        })
-    }
-
-    fn skin_vertices(self) -> usize {
-        self.skin().map(|(_, mesh)| mesh.vertex_count()).sum()
-    }
-
+impl Subject<'_> {
     fn is_translucent(self) -> bool {
         self.picture.skin_is_shown && self.picture.scene.show.skin_opacity() < 1.0
     }
 }
 
 impl Cpu {
-    /// `None` where it was no longer wanted.
-    pub(super) fn draw(
+    /// The `picture` that `plan` is of. `skinned` are its [shown instances](Plan::shown_instances). `None` where it was no longer wanted.
+    pub fn draw(
         &self,
-        instances: &[Instance],
+        plan: &Plan,
         picture: &Picture,
+        skinned: &Skinned,
         spread: Spread<'_>,
     ) -> Option<Frame> {
-        let subject = Subject { instances, picture };
+        let subject = Subject {
+            plan,
+            picture,
+            skin: skinned.vertices(),
+        };
         let view = View::of(picture);
         let projection = Projection::of(&view);
         let mut room = self.rooms.take();
@@ -65,8 +57,6 @@ impl Cpu {
         let geometry = Geometry {
             surfaces: &surfaces,
             projected: &room.projected,
-            positions: &room.positions,
-            normals: &room.normals,
             line_corners: &room.line_corners,
             projection: &projection,
         };
@@ -108,7 +98,7 @@ impl Cpu {
         frame.filter(|_| spread.is_wanted())
     }
 
-    /// Every vertex: of the skin, of solids, of lines.
+    /// Every vertex onto the picture: of the skin, of solids, of lines.
     fn place(
         &self,
         subject: Subject<'_>,
@@ -117,43 +107,36 @@ impl Cpu {
         spread: Spread<'_>,
     ) {
         let skeleton = &subject.picture.skeleton;
-        let skin_vertices = subject.skin_vertices();
-        let in_world = skin_vertices + skeleton.solids.vertices.len();
-        lines::lay_out(
-            &skeleton.lines,
-            projection,
-            &mut room.line_corners,
-            &mut room.line_triangles,
-        );
-        let (positions, normals) = (&mut room.positions, &mut room.normals);
-        positions.resize(in_world, [0.0; 3]);
-        normals.resize(in_world, [0.0; 3]);
-        let mut first = 0;
-        for (instance, mesh) in subject.skin() {
-            let own = first..first + mesh.vertex_count();
-            let job = SkinJob::new(instance, mesh);
-            self.skin(
-                &job,
-                0,
-                &mut positions[own.clone()],
-                &mut normals[own.clone()],
-                spread,
-            );
-            first = own.end;
+        let Room {
+            solids,
+            projected,
+            line_corners,
+            line_triangles,
+            ..
+        } = room;
+        lines::lay_out(&skeleton.lines, projection, line_corners, line_triangles);
+        solids.positions.clear();
+        solids.normals.clear();
+        let of_solids = skeleton.solids.vertices.iter();
+        solids
+            .positions
+            .extend(of_solids.clone().map(|vertex| vertex.position.to_array()));
+        solids
+            .normals
+            .extend(of_solids.map(|vertex| vertex.normal.to_array()));
+        let in_world = [&subject.skin.positions, &solids.positions];
+        let all = in_world.map(Vec::len).iter().sum::<usize>() + line_corners.len();
+        projected.resize(all, Projected::default());
+        let mut rest = projected.as_mut_slice();
+        for positions in in_world {
+            let (own, others) = rest.split_at_mut(positions.len());
+            spread.portions(own, PORTION, |index, projected| {
+                let own = &positions[index * PORTION..][..projected.len()];
+                projection.project(self.level, own, projected);
+            });
+            rest = others;
         }
-        for (index, vertex) in (skin_vertices..).zip(&skeleton.solids.vertices) {
-            positions[index] = vertex.position.to_array();
-            normals[index] = vertex.normal.to_array();
-        }
-        let all = in_world + room.line_corners.len();
-        room.projected.resize(all, Projected::default());
-        let (of_world, of_lines) = room.projected.split_at_mut(in_world);
-        let positions = &*positions;
-        spread.portions(of_world, PORTION, |index, projected| {
-            let own = &positions[index * PORTION..][..projected.len()];
-            projection.project(self.level, own, projected);
-        });
-        for (projected, corner) in of_lines.iter_mut().zip(&room.line_corners) {
+        for (projected, corner) in rest.iter_mut().zip(line_corners) {
             *projected = projection.place_of(*corner);
         }
     }
@@ -180,53 +163,56 @@ fn surfaces<'a>(
     room: &'a Room,
     mut list: Vec<Surface<'a>>,
 ) -> Vec<Surface<'a>> {
-    let mut add = |triangles: &'a [[u32; 3]], first_vertex: usize, paint, layer, culled| {
+    let mut add = |surface: Surface<'a>| {
         let first_triangle = list.last().map_or(0, Surface::end);
-        list.extend((!triangles.is_empty()).then_some(Surface {
-            triangles,
+        list.extend((!surface.triangles.is_empty()).then_some(Surface {
             first_triangle,
-            first_vertex: first_vertex as u32,
-            paint,
-            layer,
-            culled,
+            ..surface
         }));
     };
     let skeleton = &subject.picture.skeleton;
-    let (lines, solids) = (&skeleton.lines, &skeleton.solids);
-    let (of_lines, of_solids) = (room.positions.len(), subject.skin_vertices());
-    add(
-        &room.line_triangles,
-        of_lines,
-        Paint::Lines(lines),
-        Layer::Base,
-        None,
-    );
-    add(
-        &solids.triangles,
-        of_solids,
-        Paint::Solids(&solids.vertices),
-        Layer::Base,
-        None,
-    );
+    let (skin, solids) = (subject.skin, &room.solids);
+    let first_solid = skin.positions.len() as u32;
+    add(Surface {
+        triangles: &room.line_triangles,
+        positions: &[],
+        normals: &[],
+        first_vertex: first_solid + solids.positions.len() as u32,
+        paint: Paint::Lines(&skeleton.lines),
+        ..Surface::default()
+    });
+    add(Surface {
+        triangles: &skeleton.solids.triangles,
+        positions: &solids.positions,
+        normals: &solids.normals,
+        first_vertex: first_solid,
+        paint: Paint::Solids(&skeleton.solids.vertices),
+        ..Surface::default()
+    });
     let layer = if subject.is_translucent() {
         Layer::Skin
     } else {
         Layer::Base
     };
-    let mut first = 0;
-    for (instance, mesh) in subject.skin() {
-        let end = first + mesh.vertex_count();
+    for (instance, mesh, own) in in_order(subject.plan.shown_instances()) {
+        let positions = &skin.positions[own.clone()];
         // Where no box is known beforehand, the vertices themselves tell.
         let bounds = cull::reach(instance, mesh).or_else(|| {
-            let skinned = room.positions[first..end].iter();
+            let skinned = positions.iter();
             Bounds::of(skinned.map(|position| Vec3::from_array(*position).as_dvec3()))
         });
-        let paint = Paint::of(instance.rig(), mesh);
         for part in cull::parts(instance, mesh, &subject.picture.scene, bounds) {
-            let triangles = &mesh.draw_triangles()[part.triangles];
-            add(triangles, first, paint, layer, part.culled);
+            add(Surface {
+                triangles: &mesh.draw_triangles()[part.triangles],
+                positions,
+                normals: &skin.normals[own.clone()],
+                first_vertex: own.start as u32,
+                paint: Paint::of(instance.rig(), mesh),
+                layer,
+                culled: part.culled,
+                ..Surface::default()
+            });
         }
-        first = end;
     }
     list
 }

@@ -3,14 +3,14 @@
 use super::bin::Chunk;
 use super::geometry::Surface;
 use super::project::Projected;
+use super::skinned::Vertices;
 use std::ops::{Deref, DerefMut};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// What one picture needs until it is drawn.
 #[derive(Default)]
 pub(super) struct Room {
-    pub positions: Vec<[f32; 3]>,
-    pub normals: Vec<[f32; 3]>,
+    pub solids: Vertices,
     pub projected: Vec<Projected>,
     pub line_corners: Vec<[f32; 4]>,
     pub line_triangles: Vec<[u32; 3]>,
@@ -51,26 +51,26 @@ impl<T> Rooms<T> {
 }
 
 impl<T: Default> Rooms<T> {
-    pub fn take(&self) -> Lent<'_, T> {
+    pub fn take(self: &Arc<Self>) -> Lent<T> {
         let mut kept = self.kept();
         let (room, clearings) = (kept.rooms.pop(), kept.clearings);
         drop(kept);
         Lent {
             room: Some(room.unwrap_or_default()),
-            rooms: self,
+            rooms: Arc::clone(self),
             clearings,
         }
     }
 }
 
 /// A room, given back on drop.
-pub(super) struct Lent<'a, T> {
+pub(super) struct Lent<T> {
     room: Option<Box<T>>,
-    rooms: &'a Rooms<T>,
+    rooms: Arc<Rooms<T>>,
     clearings: u64,
 }
 
-impl<T> Deref for Lent<'_, T> {
+impl<T> Deref for Lent<T> {
     type Target = T;
 
     fn deref(&self) -> &T {
@@ -78,13 +78,13 @@ impl<T> Deref for Lent<'_, T> {
     }
 }
 
-impl<T> DerefMut for Lent<'_, T> {
+impl<T> DerefMut for Lent<T> {
     fn deref_mut(&mut self) -> &mut T {
         self.room.as_deref_mut().expect("lent until it is dropped")
     }
 }
 
-impl<T> Drop for Lent<'_, T> {
+impl<T> Drop for Lent<T> {
     fn drop(&mut self) {
         let mut kept = self.rooms.kept();
         if kept.clearings == self.clearings {

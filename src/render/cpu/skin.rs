@@ -21,7 +21,7 @@ pub fn skin_mesh(
         palette,
         morph_weights,
     };
-    job.run(Level::new(), 0, &mut positions, &mut normals);
+    job.run(Level::new(), 0, &mut positions, Some(&mut normals));
     (positions, normals)
 }
 
@@ -34,19 +34,22 @@ pub(super) struct SkinJob<'a> {
 }
 
 impl SkinJob<'_> {
-    /// As many vertices as there is room for, from the `first` on.
+    /// As many vertices as there is room for, from the `first` on. Normals that are not asked for are not worked out.
     pub fn run(
         &self,
         level: Level,
         first: usize,
         positions: &mut [[f32; 3]],
-        normals: &mut [[f32; 3]],
+        normals: Option<&mut [[f32; 3]]>,
     ) {
-        dispatch!(level, simd => self.skin(simd, first, positions, normals));
+        dispatch!(level, simd => match normals {
+            Some(normals) => self.skin::<_, true>(simd, first, positions, normals),
+            None => self.skin::<_, false>(simd, first, positions, &mut []),
+        });
     }
 
     #[inline(always)]
-    fn skin<S: Simd>(
+    fn skin<S: Simd, const NORMALS: bool>(
         &self,
         simd: S,
         first: usize,
@@ -54,8 +57,9 @@ impl SkinJob<'_> {
         normals: &mut [[f32; 3]],
     ) {
         let end = first + positions.len();
-        let groups = positions.chunks_mut(LANES).zip(normals.chunks_mut(LANES));
-        for (first, (positions, normals)) in (first..end).step_by(LANES).zip(groups) {
+        let mut normals = normals.chunks_mut(LANES);
+        let groups = positions.chunks_mut(LANES);
+        for (first, positions) in (first..end).step_by(LANES).zip(groups) {
             // Of a last group that is not full, lanes repeat its last vertex.
             let vertices = std::array::from_fn(|lane| (first + lane).min(end - 1));
             let bound = self.morphed(simd, vertices);
@@ -66,7 +70,9 @@ impl SkinJob<'_> {
                 }
             };
             skinned.position.store(positions);
-            skinned.normal.store(normals);
+            if NORMALS && let Some(normals) = normals.next() {
+                skinned.normal.store(normals);
+            }
         }
     }
 
