@@ -1,7 +1,7 @@
 //! A blocking client: typed calls, pipelining, and raw bytes in both directions.
 //! Never lives here: what any one method takes or gives; its types are in [`protocol`](crate::protocol).
 
-use crate::protocol::{ErrorObject, Id, Outgoing, Reply};
+use crate::protocol::{ErrorObject, Id, Incoming, Outgoing};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -22,8 +22,8 @@ pub struct Client {
     writer: TcpStream,
     next_id: u64,
     deadline_ms: Option<u64>,
-    /// Replies that came while a call waited for a later one.
-    early: VecDeque<Received>,
+    /// Replies that came while a call waited for a later one, and what went ahead of them.
+    early: VecDeque<Message>,
 }
 
 /// A reply with the raw bytes that followed its line.
@@ -33,6 +33,24 @@ pub struct Received {
     pub outcome: Result<Box<RawValue>, ErrorObject>,
     /// Blobs with the encoding `attach` lie in here.
     pub attached: Vec<u8>,
+}
+
+/// What goes ahead of a reply: an item of a streamed batch.
+#[derive(Debug)]
+pub struct Ahead {
+    /// `frame.ready` or `mesh.ready`.
+    pub method: String,
+    /// A [`FrameReady`](crate::protocol::batch::FrameReady) or a [`MeshReady`](crate::protocol::batch::MeshReady).
+    pub params: Box<RawValue>,
+    /// Blobs with the encoding `attach` lie in here.
+    pub attached: Vec<u8>,
+}
+
+/// One message of the server's.
+#[derive(Debug)]
+pub enum Message {
+    Ahead(Ahead),
+    Reply(Received),
 }
 
 /// Why there is no result.
@@ -176,25 +194,42 @@ impl Client {
         self.write(None, "request.cancel", &params, &[])
     }
 
-    /// The next reply, in the order of the requests.
+    /// The next reply, in the order of the requests. What goes ahead of it is passed over; [`Client::next`] gives that too.
     ///
     /// # Errors
     /// [`ClientError::Closed`] where no more will come; see there for the others.
     pub fn receive(&mut self) -> Result<Received, ClientError> {
+        loop {
+            if let Message::Reply(received) = self.next()? {
+                return Ok(received);
+            }
+        }
+    }
+
+    /// The next message: a reply, or an item of a streamed batch that goes ahead of its reply.
+    ///
+    /// # Errors
+    /// As [`Client::receive`].
+    #[expect(
+        clippy::should_implement_trait,
+        reason = "it waits, and may fail for good"
+    )]
+    pub fn next(&mut self) -> Result<Message, ClientError> {
         match self.early.pop_front() {
-            Some(received) => Ok(received),
+            Some(message) => Ok(message),
             None => self.read(),
         }
     }
 
     fn receive_for(&mut self, id: &Id) -> Result<Received, ClientError> {
         loop {
-            let received = self.read()?;
-            // An error without id is about a line that the server could not make sense of. Whichever it was, no better answer will come.
-            if received.id == *id || received.id == Id::Null {
-                return Ok(received);
+            match self.read()? {
+                // An error without id is about a line that the server could not make sense of. Whichever it was, no better answer will come.
+                Message::Reply(received) if received.id == *id || received.id == Id::Null => {
+                    return Ok(received);
+                }
+                other => self.early.push_back(other),
             }
-            self.early.push_back(received);
         }
     }
 
@@ -218,7 +253,7 @@ impl Client {
         Ok(())
     }
 
-    fn read(&mut self) -> Result<Received, ClientError> {
+    fn read(&mut self) -> Result<Message, ClientError> {
         let mut line = Vec::new();
         let limit = MAX_REPLY_BYTES + 1;
         (&mut self.reader)
@@ -231,22 +266,33 @@ impl Client {
                 ClientError::Closed
             });
         }
-        let reply = Reply::parse(&line).map_err(ClientError::NotAReply)?;
-        if reply.attach_bytes > MAX_REPLY_BYTES {
+        let incoming = Incoming::parse(&line).map_err(ClientError::NotAReply)?;
+        let attach_bytes = match &incoming {
+            Incoming::Reply(reply) => reply.attach_bytes,
+            Incoming::Notification(notification) => notification.attach_bytes,
+        };
+        if attach_bytes > MAX_REPLY_BYTES {
             return Err(ClientError::TooLong);
         }
         // Grows with what comes, so that a number alone takes no memory.
         let mut attached = Vec::new();
         (&mut self.reader)
-            .take(reply.attach_bytes)
+            .take(attach_bytes)
             .read_to_end(&mut attached)?;
-        if (attached.len() as u64) < reply.attach_bytes {
+        if (attached.len() as u64) < attach_bytes {
             return Err(ClientError::Closed);
         }
-        Ok(Received {
-            id: reply.id,
-            outcome: reply.outcome,
-            attached,
+        Ok(match incoming {
+            Incoming::Reply(reply) => Message::Reply(Received {
+                id: reply.id,
+                outcome: reply.outcome,
+                attached,
+            }),
+            Incoming::Notification(notification) => Message::Ahead(Ahead {
+                method: notification.method,
+                params: notification.params,
+                attached,
+            }),
         })
     }
 }
@@ -333,7 +379,7 @@ mod tests {
                 &mut attachments,
             );
             let mut reply = result_line(id(&request), &blob, &attachments).unwrap();
-            reply.extend(attachments.parts().concat());
+            reply.extend(attachments.to_bytes());
             reply
         });
         for _ in 0..2 {

@@ -25,13 +25,13 @@
 //! | crate | rooms |
 //! |---|---|
 //! | `wgpu` `pollster` | [`render::gpu`] |
-//! | `bytemuck` | [`render::gpu`] [`render`] [`rig`] [`pose`] |
+//! | `bytemuck` | [`render::gpu`] [`render`] [`rig`] [`pose`] [`protocol`] |
 //! | `png` `gif` `color_quant` | [`encode`] |
 //! | `rayon` | [`engine`] [`render::cpu`] |
 //! | `fearless_simd` | [`render::cpu`] |
 //! | `image` | [`encode`] [`formats`] |
 //! | `cap_std` `sha2` | [`formats`] |
-//! | `serde_path_to_error` `strsim` `schemars` `base64` | [`protocol`] |
+//! | `serde_path_to_error` `strsim` `schemars` `base64_simd` | [`protocol`] |
 //! | `serde` `serde_json` | [`protocol`] [`service`] [`client`] [`cli`] |
 //! | `memory_stats` | [`service`] |
 //! | `clap` `anyhow` `indicatif` `signal_hook` | [`cli`] |

@@ -53,6 +53,10 @@ limits! {
     in_flight_bytes: 2 << 30,
     /// As much of that as one connection may take; past it the connection is not read until its client takes in replies.
     in_flight_bytes_per_connection: 512 << 20,
+    /// Bytes of the pictures or arrays of one batch that is not streamed, as they are written.
+    batch_bytes: 256 << 20,
+    /// Frames or poses of one batch.
+    batch_items: 65_536,
     /// Raw bytes that requests of all connections are bringing along; past it they are read when others are done.
     attached_bytes: 1 << 30,
     /// Pixels of one picture: 16 Mi is 4096x4096.

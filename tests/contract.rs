@@ -49,7 +49,11 @@ fn every_example_is_answered_as_it_says_and_as_the_description_says() {
             let reply = service
                 .answer(request.to_string().as_bytes(), Vec::new())
                 .expect("every example has an id");
-            let attached: usize = reply.attachments.iter().map(Vec::len).sum();
+            let attached: usize = reply
+                .attachments
+                .iter()
+                .map(|part| part.bytes().len())
+                .sum();
             let reply: Value = serde_json::from_slice(&reply.line).expect("a reply is JSON");
             assert_eq!(
                 reply["attach_bytes"].as_u64().unwrap_or(0),

@@ -1134,7 +1134,11 @@ fn ask_attached(method: &str, params: Value) -> (Value, Vec<u8>) {
     let reply = SERVICE
         .answer(request.to_string().as_bytes(), Vec::new())
         .expect("a request is answered");
-    let attached = reply.attachments.concat();
+    let attached: Vec<u8> = reply
+        .attachments
+        .iter()
+        .flat_map(|part| part.bytes().to_vec())
+        .collect();
     let reply = Reply::parse(&reply.line).expect("a reply");
     assert_eq!(reply.attach_bytes, attached.len() as u64);
     let result = reply.outcome.expect("a result");

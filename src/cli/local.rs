@@ -77,8 +77,12 @@ pub(super) fn read<R: DeserializeOwned>(pending: Pending) -> anyhow::Result<(R, 
     let result = Reply::parse(&reply.line)?.outcome?;
     let attached = match reply.attachments.as_mut_slice() {
         // The usual case, without a copy.
-        [only] => std::mem::take(only),
-        parts => parts.concat(),
+        [only] => std::mem::take(only).into_bytes(),
+        parts => parts
+            .iter()
+            .flat_map(|part| part.bytes())
+            .copied()
+            .collect(),
     };
     Ok((serde_json::from_str(result.get())?, attached))
 }

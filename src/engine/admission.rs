@@ -4,7 +4,7 @@
 use super::EngineError;
 use crate::limits::Limits;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 /// The budgets that all connections share.
 #[derive(Debug)]
@@ -66,7 +66,7 @@ impl Admission {
     /// [`EngineError::Busy`] where all are taken.
     pub fn admit(self: &Arc<Self>) -> Result<Ticket, EngineError> {
         if self.requests.take(1) {
-            Ok(Ticket(Arc::clone(self)))
+            Ok(Ticket(Arc::new(Place(Arc::clone(self)))))
         } else {
             Err(self.busy())
         }
@@ -99,11 +99,14 @@ impl Admission {
     }
 }
 
-/// A place among the requests being worked on, given back on drop.
-#[derive(Debug)]
-pub struct Ticket(Arc<Admission>);
+/// A place among the requests being worked on, given back as the last clone is dropped: one for all parts of a request.
+#[derive(Debug, Clone)]
+pub struct Ticket(#[expect(dead_code, reason = "held to be dropped")] Arc<Place>);
 
-impl Drop for Ticket {
+#[derive(Debug)]
+struct Place(Arc<Admission>);
+
+impl Drop for Place {
     fn drop(&mut self) {
         self.0.requests.give_back(1);
     }
@@ -141,7 +144,7 @@ impl Share {
         // One result that is larger than the whole share goes through when nothing else does: limits on pictures and rigs have
         // the last word on what is too large.
         let bytes = bytes.min(self.most);
-        let used = self.used.lock().unwrap_or_else(PoisonError::into_inner);
+        let used = self.used();
         let is_full = |used: &mut u64| *used + bytes > self.most;
         let mut used = self
             .freed
@@ -156,6 +159,10 @@ impl Share {
             bytes,
         })
     }
+
+    fn used(&self) -> MutexGuard<'_, u64> {
+        self.used.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// Room for a result, given back on drop.
@@ -165,14 +172,25 @@ pub struct HeldBytes {
     bytes: u64,
 }
 
+impl HeldBytes {
+    /// Room for so much more. It does not wait: whoever has begun cannot.
+    ///
+    /// # Errors
+    /// [`EngineError::Busy`] where the results of all connections take up everything.
+    pub fn grow(&mut self, bytes: u64) -> Result<(), EngineError> {
+        if !self.share.admission.bytes.take(bytes) {
+            return Err(self.share.admission.busy());
+        }
+        self.bytes += bytes;
+        *self.share.used() += bytes;
+        Ok(())
+    }
+}
+
 impl Drop for HeldBytes {
     fn drop(&mut self) {
         self.share.admission.bytes.give_back(self.bytes);
-        *self
-            .share
-            .used
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner) -= self.bytes;
+        *self.share.used() -= self.bytes;
         self.share.freed.notify_all();
     }
 }

@@ -213,6 +213,16 @@ impl Engine {
         Ok(())
     }
 
+    /// How many threads draw on the CPU, encode, and do what [`Engine::spawn`] is given.
+    pub fn thread_count(&self) -> usize {
+        self.worker.pool().thread_count()
+    }
+
+    /// Runs `work` on one of those threads some time soon. How much waits is up to the caller.
+    pub fn spawn(&self, work: impl FnOnce() + Send + 'static) {
+        self.worker.pool().spawn(work);
+    }
+
     /// Draws `posed`, a pose of `loaded`. `done` runs on a pool thread, exactly once, whatever happens.
     pub fn render(
         &self,

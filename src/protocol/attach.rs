@@ -1,9 +1,9 @@
 //! Raw bytes beside a line: what a request refers to, and what a reply collects.
 //! Never lives here: reading and writing them, and the limit on how many there may be.
 
+use super::blob::Numbers;
 use super::error::Fault;
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
+use base64_simd::STANDARD;
 use schemars::JsonSchema;
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -40,18 +40,65 @@ impl Attach {
     }
 }
 
+/// Bytes, in the memory in which they were made.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Part {
+    Bytes(Vec<u8>),
+    /// Of a machine whose numbers are little-endian.
+    Numbers(Numbers),
+}
+
+impl Part {
+    pub fn bytes(&self) -> &[u8] {
+        match self {
+            Self::Bytes(bytes) => bytes,
+            Self::Numbers(Numbers::Float32(numbers)) => bytemuck::cast_slice(numbers),
+            Self::Numbers(Numbers::Uint32(numbers)) => bytemuck::cast_slice(numbers),
+        }
+    }
+
+    pub fn into_bytes(self) -> Vec<u8> {
+        match self {
+            Self::Bytes(bytes) => bytes,
+            Self::Numbers(_) => self.bytes().to_vec(),
+        }
+    }
+}
+
+impl Default for Part {
+    fn default() -> Self {
+        Self::Bytes(Vec::new())
+    }
+}
+
+impl From<Vec<u8>> for Part {
+    fn from(bytes: Vec<u8>) -> Self {
+        Self::Bytes(bytes)
+    }
+}
+
+impl From<Numbers> for Part {
+    fn from(numbers: Numbers) -> Self {
+        if cfg!(target_endian = "little") {
+            Self::Numbers(numbers)
+        } else {
+            Self::Bytes(numbers.little_endian())
+        }
+    }
+}
+
 /// Raw bytes that will follow a reply's line, in the order in which its blobs were made. Nothing is copied into one piece.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Attachments {
-    parts: Vec<Vec<u8>>,
+    parts: Vec<Part>,
     total: u64,
 }
 
 impl Attachments {
     /// The offset at which a reader will find these bytes.
-    pub fn push(&mut self, part: Vec<u8>) -> u64 {
-        let offset = self.total;
-        self.total += part.len() as u64;
+    pub fn push(&mut self, part: impl Into<Part>) -> u64 {
+        let (part, offset) = (part.into(), self.total);
+        self.total += part.bytes().len() as u64;
         self.parts.push(part);
         offset
     }
@@ -62,12 +109,18 @@ impl Attachments {
     }
 
     /// To be written one after another, right after the line.
-    pub fn parts(&self) -> &[Vec<u8>] {
+    pub fn parts(&self) -> &[Part] {
         &self.parts
     }
 
-    pub fn into_parts(self) -> Vec<Vec<u8>> {
+    pub fn into_parts(self) -> Vec<Part> {
         self.parts
+    }
+
+    /// A copy in one piece.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let parts: Vec<&[u8]> = self.parts.iter().map(Part::bytes).collect();
+        parts.concat()
     }
 }
 
@@ -77,7 +130,7 @@ pub struct Base64(pub Vec<u8>);
 
 impl Serialize for Base64 {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(&STANDARD.encode(&self.0))
+        serializer.serialize_str(&STANDARD.encode_to_string(&self.0))
     }
 }
 
@@ -101,6 +154,18 @@ impl JsonSchema for Base64 {
     }
 }
 
+/// RFC 4648, padded.
+pub(super) fn decode_base64(text: &str) -> Result<Vec<u8>, String> {
+    STANDARD.decode_to_vec(text).map_err(|_| {
+        let foreign = |byte: &u8| !byte.is_ascii_alphanumeric() && !b"+/=".contains(byte);
+        let fault = match text.as_bytes().iter().position(foreign) {
+            Some(at) => format!("byte {} is none of its characters", at + 1),
+            None => "it ends too early, or not as its padding says".to_owned(),
+        };
+        format!("expected a string in base64, but found one with a fault: {fault}")
+    })
+}
+
 struct Base64Visitor;
 
 impl Visitor<'_> for Base64Visitor {
@@ -112,11 +177,7 @@ impl Visitor<'_> for Base64Visitor {
 
     fn visit_str<E: Error>(self, text: &str) -> Result<Base64, E> {
         // The text itself is not repeated in the message: it may be megabytes.
-        STANDARD.decode(text).map(Base64).map_err(|problem| {
-            E::custom(format_args!(
-                "expected a string in base64, but found one with a fault: {problem}"
-            ))
-        })
+        decode_base64(text).map(Base64).map_err(E::custom)
     }
 }
 
@@ -147,6 +208,6 @@ mod tests {
         assert_eq!(attachments.push(vec![]), 3);
         assert_eq!(attachments.push(vec![4]), 3);
         assert_eq!(attachments.total(), 4);
-        assert_eq!(attachments.parts().concat(), [1, 2, 3, 4]);
+        assert_eq!(attachments.to_bytes(), [1, 2, 3, 4]);
     }
 }

@@ -1,7 +1,7 @@
 //! Pictures and arrays in a result, and the three ways in which they travel.
 //! Never lives here: compressing pictures, and writing what is attached.
 
-use super::attach::Attachments;
+use super::attach::{Attachments, Part};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -34,13 +34,35 @@ pub enum ArrayTransport {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Picture {
     /// A whole PNG file.
-    Png(Vec<u8>),
+    Png {
+        width: u32,
+        height: u32,
+        file: Vec<u8>,
+    },
     /// `4 * width * height` bytes, rows from the top: sRGB, straight alpha.
     Rgba8 {
         width: u32,
         height: u32,
         pixels: Vec<u8>,
     },
+}
+
+impl Picture {
+    /// Width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        match self {
+            Self::Png { width, height, .. } | Self::Rgba8 { width, height, .. } => {
+                [*width, *height]
+            }
+        }
+    }
+
+    /// Length of its content.
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Png { file: bytes, .. } | Self::Rgba8 { pixels: bytes, .. } => bytes.len(),
+        }
+    }
 }
 
 /// The numbers of an array, in C order.
@@ -65,7 +87,7 @@ pub(super) enum Content {
 
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Body {
-    Base64(Vec<u8>),
+    Base64(Part),
     Json(Numbers),
     Attach { offset: u64, bytes: u64 },
 }
@@ -105,7 +127,7 @@ impl Blob {
         attachments: &mut Attachments,
     ) -> Self {
         let (content, bytes) = match picture {
-            Picture::Png(file) => (Content::Media("image/png".into()), file),
+            Picture::Png { file, .. } => (Content::Media("image/png".into()), file),
             Picture::Rgba8 {
                 width,
                 height,
@@ -117,8 +139,8 @@ impl Blob {
             }
         };
         let body = match transport {
-            PictureTransport::Base64 => Body::Base64(bytes),
-            PictureTransport::Attach => Body::attached(bytes, attachments),
+            PictureTransport::Base64 => Body::Base64(bytes.into()),
+            PictureTransport::Attach => Body::attached(bytes.into(), attachments),
         };
         Self { content, body }
     }
@@ -134,8 +156,8 @@ impl Blob {
         let dtype = numbers.dtype();
         let body = match transport {
             ArrayTransport::Json => Body::Json(numbers),
-            ArrayTransport::Base64 => Body::Base64(numbers.little_endian()),
-            ArrayTransport::Attach => Body::attached(numbers.little_endian(), attachments),
+            ArrayTransport::Base64 => Body::Base64(numbers.into()),
+            ArrayTransport::Attach => Body::attached(numbers.into(), attachments),
         };
         let content = Content::Array { dtype, shape };
         Self { content, body }
@@ -171,7 +193,7 @@ impl Blob {
     /// [`BlobError::OutOfReach`] where the reply brought less than the blob says.
     pub fn bytes<'a>(&'a self, attached: &'a [u8]) -> Result<Cow<'a, [u8]>, BlobError> {
         match &self.body {
-            Body::Base64(bytes) => Ok(bytes.into()),
+            Body::Base64(part) => Ok(part.bytes().into()),
             Body::Json(numbers) => Ok(numbers.little_endian().into()),
             Body::Attach { offset, bytes } => usize::try_from(*offset)
                 .ok()
@@ -233,11 +255,11 @@ impl Blob {
 }
 
 impl Body {
-    fn attached(bytes: Vec<u8>, attachments: &mut Attachments) -> Self {
-        let length = bytes.len() as u64;
+    fn attached(part: Part, attachments: &mut Attachments) -> Self {
+        let bytes = part.bytes().len() as u64;
         Self::Attach {
-            offset: attachments.push(bytes),
-            bytes: length,
+            offset: attachments.push(part),
+            bytes,
         }
     }
 }
@@ -250,7 +272,7 @@ impl Numbers {
         }
     }
 
-    fn little_endian(&self) -> Vec<u8> {
+    pub(super) fn little_endian(&self) -> Vec<u8> {
         match self {
             Self::Float32(numbers) => numbers.iter().flat_map(|n| n.to_le_bytes()).collect(),
             Self::Uint32(numbers) => numbers.iter().flat_map(|n| n.to_le_bytes()).collect(),

@@ -58,6 +58,30 @@ macro_rules! frame_request {
             pub transport: PictureTransport,
             $($(#[$field_doc])* pub $field: $type,)*
         }
+
+        impl $name {
+            /// The frame request in it.
+            pub fn frame(&self) -> FrameParams {
+                FrameParams {
+                    rig: self.rig.clone(),
+                    pose: self.pose.clone(),
+                    skinning: self.skinning,
+                    show: self.show,
+                    camera: self.camera.clone(),
+                    lights: self.lights.clone(),
+                    ambient: self.ambient,
+                    material: self.material,
+                    background: self.background,
+                    cull: self.cull,
+                    size: self.size,
+                    samples: self.samples,
+                    outputs: self.outputs.clone(),
+                    image: self.image,
+                    compression: self.compression,
+                    transport: self.transport,
+                }
+            }
+        }
     };
 }
 
@@ -321,6 +345,6 @@ pub struct Timings {
     pub queue: f64,
     /// Skinning, drawing, and copying out.
     pub render: f64,
-    /// Packing the picture.
+    /// Packing what came of it.
     pub encode: f64,
 }

@@ -21,29 +21,78 @@ impl Reply {
     /// # Errors
     /// Where the line is no reply.
     pub fn parse(line: &[u8]) -> Result<Self, serde_json::Error> {
-        let members: ReplyMembers = serde_json::from_slice(line)?;
-        let outcome = match (members.result, members.error) {
-            (Some(result), None) => Ok(result),
-            (None, Some(error)) => Err(error),
+        match Incoming::parse(line)? {
+            Incoming::Reply(reply) => Ok(reply),
+            Incoming::Notification(_) => Err(Error::custom("expected a reply")),
+        }
+    }
+}
+
+/// What goes ahead of a reply, as a client reads it.
+#[derive(Debug, Clone)]
+pub struct Notification {
+    pub method: String,
+    pub params: Box<RawValue>,
+    /// Raw bytes that follow the line.
+    pub attach_bytes: u64,
+}
+
+/// A line from a server.
+#[derive(Debug, Clone)]
+pub enum Incoming {
+    Reply(Reply),
+    Notification(Notification),
+}
+
+impl Incoming {
+    /// # Errors
+    /// Where the line is neither.
+    pub fn parse(line: &[u8]) -> Result<Self, serde_json::Error> {
+        let Members {
+            id,
+            result,
+            error,
+            method,
+            params,
+            attach_bytes,
+        } = serde_json::from_slice(line)?;
+        let outcome = match (result, error, method, params) {
+            (None, None, Some(method), Some(params)) => {
+                return Ok(Self::Notification(Notification {
+                    method,
+                    params,
+                    attach_bytes,
+                }));
+            }
+            (Some(result), None, None, None) => Ok(result),
+            (None, Some(error), None, None) => Err(error),
             _ => {
                 return Err(Error::custom("expected either a `result` or an `error`"));
             }
         };
-        Ok(Self {
-            id: members.id,
+        Ok(Self::Reply(Reply {
+            id: id.ok_or_else(|| Error::missing_field("id"))?,
             outcome,
-            attach_bytes: members.attach_bytes,
-        })
+            attach_bytes,
+        }))
     }
 }
 
 #[derive(Deserialize)]
-struct ReplyMembers {
-    id: Id,
+struct Members {
+    /// Of a reply: present, if only as null.
+    #[serde(default, deserialize_with = "present")]
+    id: Option<Id>,
     result: Option<Box<RawValue>>,
     error: Option<ErrorObject>,
+    method: Option<String>,
+    params: Option<Box<RawValue>>,
     #[serde(default)]
     attach_bytes: u64,
+}
+
+fn present<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<Id>, D::Error> {
+    Id::deserialize(deserializer).map(Some)
 }
 
 /// A request as a client writes it. Without an `id` it is a notification.
@@ -89,6 +138,25 @@ pub fn result_line<R: Serialize + ?Sized>(
         result,
         attach_bytes: (attachments.total() > 0).then(|| attachments.total()),
     })
+}
+
+/// Writes the line of a notification, with its end. The raw bytes of `attachments` are to follow it.
+///
+/// # Errors
+/// As [`result_line`].
+pub fn notification_line<P: Serialize + ?Sized>(
+    method: &str,
+    params: &P,
+    attachments: &Attachments,
+) -> Result<Vec<u8>, serde_json::Error> {
+    let outgoing = Outgoing {
+        id: None,
+        method,
+        params,
+        deadline_ms: None,
+        attach_bytes: attachments.total(),
+    };
+    outgoing.line()
 }
 
 /// Writes the line of an error, with its end.
@@ -166,8 +234,22 @@ mod tests {
             text(error.clone()),
             "{\"jsonrpc\":\"2.0\",\"id\":1,\"error\":{\"code\":-32010,\"message\":\"the request was cancelled\",\"data\":{\"kind\":\"cancelled\",\"retryable\":false}}}\n"
         );
-        let read = Reply::parse(&error).unwrap().outcome.unwrap_err();
-        assert_eq!(read.kind(), Some(Kind::Cancelled));
+        let Incoming::Reply(read) = Incoming::parse(&error).unwrap() else {
+            panic!("it has an outcome");
+        };
+        assert_eq!(read.outcome.unwrap_err().kind(), Some(Kind::Cancelled));
+        let ahead = notification_line("frame.ready", &json!({"index": 2}), &attachments).unwrap();
+        assert_eq!(
+            text(ahead.clone()),
+            "{\"jsonrpc\":\"2.0\",\"method\":\"frame.ready\",\"params\":{\"index\":2},\"attach_bytes\":3}\n"
+        );
+        let Incoming::Notification(read) = Incoming::parse(&ahead).unwrap() else {
+            panic!("it has a method");
+        };
+        assert_eq!(
+            (read.method.as_str(), read.attach_bytes),
+            ("frame.ready", 3)
+        );
     }
 
     #[test]

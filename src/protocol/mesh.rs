@@ -2,7 +2,7 @@
 //! Never lives here: the arrays themselves; they travel as blobs.
 
 use super::blob::{ArrayTransport, Blob};
-use super::frame::Skinning;
+use super::frame::{Skinning, Timings};
 use super::pose::{Clamped, Pose};
 use super::rig::Bounds;
 use schemars::JsonSchema;
@@ -78,6 +78,8 @@ pub struct Vertices {
     pub bounds: Bounds,
     /// Values of the pose that their limits changed.
     pub clamped: Vec<Clamped>,
+    #[serde(default)]
+    pub timings_ms: Timings,
 }
 
 /// Vertices of one mesh.

@@ -3,7 +3,7 @@
 
 use super::error::{Fault, Kind};
 use super::parse::{nearest, shortened};
-use super::{Done, NoParams, frame, mesh, pick, pose, rig, server};
+use super::{Done, NoParams, batch, frame, mesh, pick, pose, rig, server};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use std::borrow::Cow;
 
@@ -81,8 +81,16 @@ methods! {
     FrameRender "frame.render" frame::FrameParams => frame::Frame, [
         Kind::RigNotLoaded, Kind::LimitExceeded, Kind::DeviceLost,
     ];
+    /// Draws many pictures. Where streamed, each goes ahead of the result as a notification `frame.ready`.
+    FrameBatch "frame.batch" batch::FrameBatchParams => batch::FrameBatch, [
+        Kind::RigNotLoaded, Kind::LimitExceeded, Kind::DeviceLost,
+    ];
     /// Gives skinned vertices, in the order of the file.
     MeshVertices "mesh.vertices" mesh::VerticesParams => mesh::Vertices, [
+        Kind::RigNotLoaded, Kind::LimitExceeded, Kind::DeviceLost,
+    ];
+    /// Gives the vertices or joints of a rig in many poses. Where streamed, each goes ahead of the result as a notification `mesh.ready`.
+    MeshBatch "mesh.batch" batch::MeshBatchParams => batch::MeshBatch, [
         Kind::RigNotLoaded, Kind::LimitExceeded, Kind::DeviceLost,
     ];
     /// Gives triangles and texture coordinates, which stay the same in every pose.

@@ -3,12 +3,13 @@
 //!
 //! - [`Request`] and [`Reply`]: one line each; [`Id`] pairs them.
 //! - [`params`](fn@params): the parameters of a request as a type, every fault with the path of the field.
-//! - [`rig`], [`pose`], [`frame`], [`mesh`], [`server`]: parameters and results by family of methods.
+//! - [`rig`], [`pose`], [`frame`], [`mesh`], [`batch`], [`server`]: parameters and results by family of methods.
 //! - [`Blob`] and [`Attachments`]: pictures and arrays, in either direction.
 //! - [`Fault`] and [`ErrorObject`]: what can go wrong.
 //! - [`Method`]: every method; [`openrpc`](fn@openrpc) describes them all.
 
 pub mod attach;
+pub mod batch;
 pub mod blob;
 mod blob_wire;
 pub mod camera;
@@ -32,7 +33,9 @@ pub use blob::{Blob, BlobError};
 pub use envelope::{BadRequest, Request};
 pub use error::{ErrorObject, Fault, InvalidRigFile, Kind};
 pub use id::Id;
-pub use lines::{Outgoing, Reply, error_line, result_line};
+pub use lines::{
+    Incoming, Notification, Outgoing, Reply, error_line, notification_line, result_line,
+};
 pub use methods::Method;
 pub use openrpc::openrpc;
 pub use parse::{nearest, params};

@@ -4,7 +4,7 @@ use super::blob::PictureTransport;
 use super::camera::{Camera, Light};
 use super::frame::{
     Compression, Cull, FrameParams, ImageFormat, Material, Output, Samples, Show, Skinning,
-    frame_request,
+    Timings, frame_request,
 };
 use super::pose::{Clamped, Pose};
 use schemars::JsonSchema;
@@ -28,29 +28,6 @@ fn all_targets() -> Vec<PickTarget> {
     vec![PickTarget::Bone, PickTarget::Skin]
 }
 
-impl From<PickParams> for FrameParams {
-    fn from(params: PickParams) -> Self {
-        Self {
-            rig: params.rig,
-            pose: params.pose,
-            skinning: params.skinning,
-            show: params.show,
-            camera: params.camera,
-            lights: params.lights,
-            ambient: params.ambient,
-            material: params.material,
-            background: params.background,
-            cull: params.cull,
-            size: params.size,
-            samples: params.samples,
-            outputs: params.outputs,
-            image: params.image,
-            compression: params.compression,
-            transport: params.transport,
-        }
-    }
-}
-
 /// What a pixel can be asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -69,6 +46,8 @@ pub struct Picked {
     pub hit: Option<Hit>,
     /// Values of the pose that their limits changed.
     pub clamped: Vec<Clamped>,
+    #[serde(default)]
+    pub timings_ms: Timings,
 }
 
 /// The line of sight of the pixel, in world space.

@@ -1,6 +1,7 @@
 //! `server.*` and `request.cancel`: what the daemon is, how it fares, and giving up on a request.
 //! Never lives here: the limits themselves.
 
+use super::frame::Timings;
 use super::id::Id;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -54,7 +55,7 @@ pub enum AdapterKind {
 }
 
 /// Counters since the start and gauges of this moment.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ServerStats {
     /// How requests went, by method.
     pub requests: BTreeMap<String, Outcomes>,
@@ -62,6 +63,9 @@ pub struct ServerStats {
     pub frames: u64,
     /// Vertices skinned, for pictures and for queries.
     pub vertices: u64,
+    /// Time that all of that took, in milliseconds; several requests at a time count several times.
+    #[serde(default)]
+    pub timings_ms: Timings,
     /// Bytes read from all connections.
     pub bytes_in: u64,
     /// Bytes written to all connections.

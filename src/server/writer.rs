@@ -101,14 +101,17 @@ pub(super) const TICK: Duration = Duration::from_millis(100);
 /// Writes replies until there are no more, or the client takes no more.
 pub(super) fn run(shared: &Shared, stream: &TcpStream, queue: &Queue) {
     while let Some(pending) = queue.next() {
-        let reply = wait(shared, &pending);
-        if write(shared, stream, &reply).is_err() {
-            // Wakes the reading half as well.
-            let _ = stream.shutdown(Shutdown::Both);
-            return queue.break_off();
+        let mut is_answered = false;
+        while !is_answered {
+            let outgoing = wait(shared, &pending);
+            if write(shared, stream, &outgoing).is_err() {
+                // Wakes the reading half as well.
+                let _ = stream.shutdown(Shutdown::Both);
+                return queue.break_off();
+            }
+            // With it, room for the reply is given back before the place of its request.
+            is_answered = outgoing.is_last;
         }
-        // Room for the reply is given back before the place of its request.
-        drop(reply);
         queue.written();
     }
 }
@@ -127,10 +130,12 @@ fn wait(shared: &Shared, pending: &Pending) -> Outgoing {
 
 fn write(shared: &Shared, stream: &TcpStream, reply: &Outgoing) -> std::io::Result<()> {
     write_part(shared, stream, &reply.line)?;
+    let mut attached = 0;
     for part in &reply.attachments {
-        write_part(shared, stream, part)?;
+        let bytes = part.bytes();
+        write_part(shared, stream, bytes)?;
+        attached += bytes.len();
     }
-    let attached: usize = reply.attachments.iter().map(Vec::len).sum();
     shared
         .service
         .stats()

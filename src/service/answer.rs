@@ -2,8 +2,10 @@
 
 use super::stats::Stats;
 use crate::engine::{HeldBytes, Urgency};
+use crate::protocol::attach::Part;
 use crate::protocol::{Attachments, ErrorObject, Fault, Id, Method, error_line, result_line};
 use serde::Serialize;
+use std::collections::VecDeque;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::{Duration, Instant};
@@ -13,9 +15,14 @@ pub struct Outgoing {
     /// With its end.
     pub line: Vec<u8>,
     /// Raw bytes that follow the line.
-    pub attachments: Vec<Vec<u8>>,
-    _held: Option<HeldBytes>,
+    pub attachments: Vec<Part>,
+    /// Whether it is the reply itself, and not what goes ahead of it.
+    pub is_last: bool,
+    _held: Option<Held>,
 }
+
+/// What is given back on drop, once the bytes are written.
+type Held = Box<dyn Send>;
 
 /// A reply that nobody counts: as many as a connection may have in flight come to a megabyte or two.
 const SMALL_REPLY_BYTES: usize = 64 << 10;
@@ -29,11 +36,15 @@ struct Slot {
     filled: Condvar,
 }
 
-enum State {
-    Open,
-    Filled(Outgoing),
-    /// Filled, and what filled it was taken away.
-    Taken,
+#[derive(Default)]
+struct State {
+    /// In the order in which they are to be written.
+    ahead: VecDeque<Outgoing>,
+    last: Option<Outgoing>,
+    /// There is a reply, whether or not it was taken away.
+    is_answered: bool,
+    /// Nobody waits.
+    is_abandoned: bool,
 }
 
 /// A reply that is on its way.
@@ -46,31 +57,37 @@ pub(super) struct Handle {
     slot: Weak<Slot>,
 }
 
+/// A way to send something ahead of a reply.
+pub(super) struct Ahead {
+    slot: Arc<Slot>,
+}
+
 /// The duty to answer one request. Dropped without an answer, it answers `internal`.
 pub(super) struct Answer {
     slot: Option<Arc<Slot>>,
 }
 
 impl Pending {
-    /// Blocks until there is a reply; past its deadline it is `deadline_exceeded`.
+    /// Blocks until there is a reply, and passes over what goes ahead of it. Past its deadline it is `deadline_exceeded`.
     pub fn wait(self) -> Outgoing {
         loop {
-            if let Some(reply) = self.wait_for(Duration::from_secs(60)) {
+            let next = self.wait_for(Duration::from_secs(60));
+            if let Some(reply) = next.filter(|next| next.is_last) {
                 return reply;
             }
         }
     }
 
-    /// As [`Pending::wait`], for so long at most; then `None`. What it gave once it does not give again.
+    /// As [`Pending::wait`], for so long at most and for whatever comes next; then `None`. What it gave once it does not give again.
     pub fn wait_for(&self, patience: Duration) -> Option<Outgoing> {
         let slot = &self.slot;
         let until = Instant::now() + patience;
         let mut state = slot.lock();
         loop {
-            if let State::Filled(_) = *state {
-                let State::Filled(reply) = std::mem::replace(&mut *state, State::Taken) else {
-                    return None;
-                };
+            if let Some(ahead) = state.ahead.pop_front() {
+                return Some(ahead);
+            }
+            if let Some(reply) = state.last.take() {
                 return Some(reply);
             }
             let now = Instant::now();
@@ -112,6 +129,36 @@ impl Drop for Pending {
     /// Nobody waits any more, so the work need not be done.
     fn drop(&mut self) {
         self.slot.urgency.cancelled.store(true, Ordering::Relaxed);
+        // Not under the lock: what is given back may have things to do.
+        let mut state = self.slot.lock();
+        state.is_abandoned = true;
+        let ahead = std::mem::take(&mut state.ahead);
+        drop(state);
+        drop(ahead);
+    }
+}
+
+impl Ahead {
+    /// The `id` of the request.
+    pub fn request(&self) -> &Id {
+        &self.slot.id
+    }
+
+    /// `held` is given back once it is written. After the reply nothing is sent.
+    pub fn send(&self, line: Vec<u8>, attachments: Attachments, held: Held) {
+        let outgoing = Outgoing {
+            line,
+            attachments: attachments.into_parts(),
+            is_last: false,
+            _held: Some(held),
+        };
+        let mut state = self.slot.lock();
+        if state.is_answered || state.is_abandoned {
+            drop(state);
+            return drop(outgoing);
+        }
+        state.ahead.push_back(outgoing);
+        self.slot.filled.notify_all();
     }
 }
 
@@ -119,7 +166,7 @@ impl Handle {
     pub fn is_open(&self) -> bool {
         self.slot
             .upgrade()
-            .is_some_and(|slot| matches!(*slot.lock(), State::Open))
+            .is_some_and(|slot| !slot.lock().is_answered)
     }
 
     pub fn end(&self, fault: Fault) {
@@ -142,7 +189,7 @@ impl Answer {
             method,
             urgency,
             stats,
-            state: Mutex::new(State::Open),
+            state: Mutex::default(),
             filled,
         });
         (
@@ -156,6 +203,13 @@ impl Answer {
     /// To a notification: it is counted and goes nowhere.
     pub fn unheard(method: Option<Method>, stats: &Arc<Stats>) -> Self {
         Self::new(Id::Null, method, Urgency::default(), stats).0
+    }
+
+    /// `None` where there is nobody to send to.
+    pub fn ahead(&self) -> Option<Ahead> {
+        self.slot.as_ref().map(|slot| Ahead {
+            slot: Arc::clone(slot),
+        })
     }
 
     /// A result whose size is known once it is written. `hold` makes room for it.
@@ -185,7 +239,8 @@ impl Answer {
                     Outgoing {
                         line,
                         attachments: Vec::new(),
-                        _held: held,
+                        is_last: true,
+                        _held: held.map(boxed),
                     },
                     "ok",
                 );
@@ -212,7 +267,8 @@ impl Answer {
                 let reply = Outgoing {
                     line,
                     attachments: attachments.into_parts(),
-                    _held: held,
+                    is_last: true,
+                    _held: held.map(boxed),
                 };
                 slot.fill(reply, "ok");
             }
@@ -221,6 +277,10 @@ impl Answer {
             }),
         }
     }
+}
+
+fn boxed(held: HeldBytes) -> Held {
+    Box::new(held)
 }
 
 impl Drop for Answer {
@@ -245,22 +305,27 @@ impl Slot {
             Outgoing {
                 line,
                 attachments: Vec::new(),
+                is_last: true,
                 _held: None,
             },
             kind.name(),
         ) {
             self.urgency.cancelled.store(true, Ordering::Relaxed);
+            // What was to go ahead of a result is of no more use.
+            let ahead = std::mem::take(&mut self.lock().ahead);
+            drop(ahead);
         }
     }
 
     /// Whether this was the first.
     fn fill(&self, reply: Outgoing, outcome: &'static str) -> bool {
         let mut state = self.lock();
-        let is_first = matches!(*state, State::Open);
+        let is_first = !state.is_answered;
         if is_first {
             // Counted before anybody can see the reply: whoever has it and asks for the counts finds it among them.
             self.stats.answered(self.method, outcome);
-            *state = State::Filled(reply);
+            state.is_answered = true;
+            state.last = Some(reply);
             self.filled.notify_all();
         }
         is_first

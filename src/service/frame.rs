@@ -1,16 +1,20 @@
-//! `frame.render`.
+//! `frame.render` and `frame.batch`.
 
 use super::answer::Answer;
+use super::batch::{Course, Items};
 use super::scene::of_skinning;
 use super::{Call, describe};
 use crate::encode::{self, Compression};
-use crate::engine::{HeldBytes, Timings};
+use crate::engine::{RigRef, Terms};
 use crate::frame::Frame;
-use crate::protocol::blob::{Blob, Picture};
+use crate::pose::{Clamped, Posed};
+use crate::protocol::batch::{FrameBatch, FrameBatchParams, FrameChange, FrameReady};
+use crate::protocol::blob::{Blob, Picture, PictureTransport};
 use crate::protocol::frame as wire;
-use crate::protocol::{Attachments, Fault};
-use crate::scene::{Camera, Size};
+use crate::protocol::{Attachments, Fault, Id};
+use crate::scene::{Camera, Scene, Size};
 use glam::DMat4;
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
@@ -18,29 +22,98 @@ use std::time::Instant;
 /// Bytes that a pixel takes at the most on its way out: bare, and again as base64.
 const BYTES_PER_PIXEL: u64 = 10;
 
-impl Call<'_> {
+impl Call {
     pub(super) fn render(
         &self,
         params: wire::FrameParams,
         answer: &mut Option<Answer>,
     ) -> Result<(), Fault> {
         let found = self.engine().rig(&params.rig)?;
-        let scene = self.scene(&params, &found.loaded)?;
-        let (posed, clamped) = self.posed(&params.pose, &found)?;
-        let (held, terms) = self.take_on(BYTES_PER_PIXEL * scene.size.pixels() as u64)?;
-
-        let reply = FrameReply {
-            camera: described(&scene.camera),
-            vertices: posed.rig().vertex_count() as u64,
-            digest: found.loaded.digest.clone(),
-            clamped: describe::clamped(posed.rig(), &clamped),
-            image: params.image,
-            compression: params.compression,
-            transport: params.transport,
-        };
+        let subject = self.subject(&params, &found)?;
+        let (held, terms) = self.take_on(bytes_of(&subject.scene))?;
         let Some(answer) = answer.take() else {
             return Ok(());
         };
+        self.draw(&params, &found, subject, terms, move |done| match done {
+            Ok(done) => {
+                let mut attachments = Attachments::default();
+                let frame = done.sent(&mut attachments);
+                answer.send(&frame, attachments, Some(held));
+            }
+            Err(fault) => answer.fail(fault),
+        });
+        Ok(())
+    }
+
+    pub(super) fn render_batch(
+        &self,
+        params: FrameBatchParams,
+        answer: &mut Option<Answer>,
+    ) -> Result<(), Fault> {
+        let limits = self.engine().limits();
+        limits.batch_items(params.frames.len())?;
+        let request_bytes = params.frames.len() * size_of::<FrameChange>() + self.attached.len();
+        // As they are now, whatever is loaded or set while the batch is drawn.
+        let mut rigs = BTreeMap::new();
+        let changed = params
+            .frames
+            .iter()
+            .filter_map(|change| change.rig.as_ref());
+        for name in changed.chain([&params.rig]) {
+            if !rigs.contains_key(name) {
+                rigs.insert(name.clone(), self.engine().rig(name)?);
+            }
+        }
+        let items = FrameItems {
+            call: self.clone(),
+            params,
+            rigs,
+        };
+        let mut item_bytes = 0;
+        for index in 0..items.count() {
+            self.urgency.check()?;
+            item_bytes = item_bytes.max(items.check(index)?);
+        }
+        let course = Course {
+            streams: items.params.stream,
+            item_bytes,
+            request_bytes: request_bytes as u64,
+        };
+        self.run_batch(items, &course, answer)
+    }
+
+    fn subject(&self, params: &wire::FrameParams, found: &RigRef) -> Result<Subject, Fault> {
+        let scene = self.scene(params, &found.loaded)?;
+        let (posed, clamped) = self.posed(&params.pose, found)?;
+        Ok(Subject {
+            scene,
+            posed,
+            clamped,
+        })
+    }
+
+    /// Draws and packs a picture. `done` runs once.
+    fn draw(
+        &self,
+        params: &wire::FrameParams,
+        found: &RigRef,
+        subject: Subject,
+        terms: Terms,
+        done: impl FnOnce(Result<Done, Fault>) + Send + 'static,
+    ) {
+        let Subject {
+            scene,
+            posed,
+            clamped,
+        } = subject;
+        let vertices = posed.rig().vertex_count() as u64;
+        let head = Head {
+            camera: described(&scene.camera),
+            digest: found.loaded.digest.clone(),
+            clamped: describe::clamped(posed.rig(), &clamped),
+            transport: params.transport,
+        };
+        let (image, compression) = (params.image, of_compression(params.compression));
         let stats = Arc::clone(&self.service.stats);
         self.engine().render(
             &found.loaded,
@@ -48,69 +121,186 @@ impl Call<'_> {
             of_skinning(params.skinning),
             scene,
             terms,
-            move |result| match result {
-                Ok((frame, timings)) => {
-                    stats.rendered(1, reply.vertices, timings.render);
-                    reply.send(answer, frame, timings, held);
-                }
-                Err(error) => answer.fail(error.into()),
+            move |result| {
+                done(result.map_err(Fault::from).and_then(|(frame, timings)| {
+                    let started = Instant::now();
+                    let picture = packed(frame, image, compression)?;
+                    let timings = stats.rendered(1, vertices, timings, started.elapsed());
+                    Ok(Done {
+                        head,
+                        picture,
+                        timings,
+                    })
+                }));
             },
         );
-        Ok(())
     }
 }
 
-/// What a frame's reply says beside the picture.
-struct FrameReply {
-    camera: wire::FrameCamera,
-    vertices: u64,
-    digest: String,
-    clamped: Vec<crate::protocol::pose::Clamped>,
-    image: wire::ImageFormat,
-    compression: wire::Compression,
-    transport: crate::protocol::blob::PictureTransport,
+/// What is to be drawn.
+struct Subject {
+    scene: Scene,
+    posed: Arc<Posed>,
+    clamped: Vec<Clamped>,
 }
 
-impl FrameReply {
-    fn send(self, answer: Answer, frame: Frame, timings: Timings, held: HeldBytes) {
-        let started = Instant::now();
-        let Size { width, height } = frame.size;
-        let picture = match self.image {
-            wire::ImageFormat::Rgba8 => Picture::Rgba8 {
-                width,
-                height,
-                pixels: frame.pixels.into_vec(),
-            },
-            wire::ImageFormat::Png => match encode::png(&frame, of_compression(self.compression)) {
-                Ok(file) => Picture::Png(file),
-                Err(error) => {
-                    return answer.fail(Fault::Internal {
-                        message: error.to_string(),
-                    });
-                }
-            },
-        };
-        let mut attachments = Attachments::default();
-        let color = Blob::picture(picture, self.transport, &mut attachments);
-        let milliseconds = |duration: std::time::Duration| duration.as_secs_f64() * 1e3;
-        let result = wire::Frame {
+fn bytes_of(scene: &Scene) -> u64 {
+    BYTES_PER_PIXEL * scene.size.pixels() as u64
+}
+
+/// What a frame's reply says beside the picture.
+struct Head {
+    camera: wire::FrameCamera,
+    digest: String,
+    clamped: Vec<crate::protocol::pose::Clamped>,
+    transport: PictureTransport,
+}
+
+/// A picture, packed.
+struct Done {
+    head: Head,
+    picture: Picture,
+    timings: wire::Timings,
+}
+
+impl Done {
+    /// Its bytes go into `attachments` where they are to be attached.
+    fn sent(self, attachments: &mut Attachments) -> wire::Frame {
+        let Self {
+            head,
+            picture,
+            timings,
+        } = self;
+        let [width, height] = picture.size();
+        let color = Blob::picture(picture, head.transport, attachments);
+        wire::Frame {
             width,
             height,
             images: BTreeMap::from([("color".to_owned(), color)]),
-            camera: self.camera,
-            rig: self.digest,
+            camera: head.camera,
+            rig: head.digest,
             renderer: wire::Renderer {
                 name: env!("CARGO_PKG_NAME").to_owned(),
                 version: env!("CARGO_PKG_VERSION").to_owned(),
             },
-            clamped: self.clamped,
-            timings_ms: wire::Timings {
-                queue: milliseconds(timings.queue),
-                render: milliseconds(timings.render),
-                encode: milliseconds(started.elapsed()),
-            },
-        };
-        answer.send(&result, attachments, Some(held));
+            clamped: head.clamped,
+            timings_ms: timings,
+        }
+    }
+}
+
+fn packed(
+    frame: Frame,
+    image: wire::ImageFormat,
+    compression: Compression,
+) -> Result<Picture, Fault> {
+    let Size { width, height } = frame.size;
+    let file = match image {
+        wire::ImageFormat::Rgba8 => {
+            return Ok(Picture::Rgba8 {
+                width,
+                height,
+                pixels: frame.pixels.into_vec(),
+            });
+        }
+        wire::ImageFormat::Png => encode::png(&frame, compression),
+    };
+    let file = file.map_err(|error| Fault::Internal {
+        message: error.to_string(),
+    })?;
+    Ok(Picture::Png {
+        width,
+        height,
+        file,
+    })
+}
+
+/// The pictures of a batch.
+struct FrameItems {
+    call: Call,
+    params: FrameBatchParams,
+    /// By the names that the request uses.
+    rigs: BTreeMap<String, RigRef>,
+}
+
+impl FrameItems {
+    /// Whether the picture can be asked for like this, and how many bytes it takes.
+    fn check(&self, index: usize) -> Result<u64, Fault> {
+        let params = self.params.frames[index].over(&self.params);
+        let found = &self.rigs[&params.rig];
+        let checked = self.call.scene(&params, &found.loaded).and_then(|scene| {
+            self.call.check_pose(&params.pose, found)?;
+            Ok(bytes_of(&scene))
+        });
+        checked.map_err(|fault| self.located(index, fault))
+    }
+
+    /// A fault of what only this picture says is told by its place there.
+    fn located(&self, index: usize, fault: Fault) -> Fault {
+        match fault {
+            Fault::InvalidParams { path, message } => {
+                let field = path.split(['.', '[']).next().unwrap_or_default();
+                let path = if self.params.frames[index].gives(field) {
+                    format!("frames[{index}].{path}")
+                } else {
+                    path
+                };
+                Fault::InvalidParams { path, message }
+            }
+            other => other,
+        }
+    }
+}
+
+impl Items for FrameItems {
+    type Done = Done;
+    type Sent = wire::Frame;
+    const READY: &'static str = "frame.ready";
+
+    fn count(&self) -> usize {
+        self.params.frames.len()
+    }
+
+    fn begin(
+        &self,
+        index: usize,
+        terms: Terms,
+        done: impl FnOnce(Result<Done, Fault>) + Send + 'static,
+    ) {
+        let params = self.params.frames[index].over(&self.params);
+        let found = &self.rigs[&params.rig];
+        match self.call.subject(&params, found) {
+            Ok(subject) => self.call.draw(&params, found, subject, terms, done),
+            Err(fault) => done(Err(self.located(index, fault))),
+        }
+    }
+
+    fn bytes(done: &Done) -> u64 {
+        let bytes = done.picture.bytes() as u64;
+        match done.head.transport {
+            PictureTransport::Attach => bytes,
+            // Themselves, and as text.
+            PictureTransport::Base64 => bytes + bytes.div_ceil(3) * 4,
+        }
+    }
+
+    fn sent(done: Done, attachments: &mut Attachments) -> wire::Frame {
+        done.sent(attachments)
+    }
+
+    fn ready(request: &Id, index: usize, frame: wire::Frame) -> impl Serialize {
+        FrameReady {
+            request: request.clone(),
+            index: index as u64,
+            frame,
+        }
+    }
+
+    fn result(&self, frames: Option<Vec<wire::Frame>>) -> impl Serialize {
+        FrameBatch {
+            frame_count: self.count() as u64,
+            frames,
+        }
     }
 }
 

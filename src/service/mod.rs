@@ -4,6 +4,7 @@
 //! Each family of methods has its file: from wire types to plain ones, one call to the engine, and back.
 
 mod answer;
+mod batch;
 mod describe;
 mod fault;
 mod frame;
@@ -24,7 +25,7 @@ pub use stats::Stats;
 use crate::engine::{AttachedBytes, Engine, EngineError, HeldBytes, Share, Terms, Urgency};
 use crate::formats::Source;
 use crate::limits::Limits;
-use crate::protocol::{self, Attachments, BadRequest, Fault, Id, Method, Request};
+use crate::protocol::{self, Attachments, BadRequest, Fault, Id, Method};
 use answer::Answer;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -94,13 +95,17 @@ pub struct Conversation {
 /// Sooner than this nobody need ask again, whatever it was that the server had too much of.
 const LEAST_RETRY_MS: u64 = 50;
 
+/// Of a request, not yet read.
+type Params<'a> = Option<&'a serde_json::value::RawValue>;
+
 /// One request on its way through its handler.
-struct Call<'a> {
-    service: &'a Service,
-    request: &'a Request,
-    attached: &'a [u8],
+#[derive(Clone)]
+struct Call {
+    service: Arc<Service>,
+    /// What came beside its line.
+    attached: Arc<Vec<u8>>,
     urgency: Urgency,
-    share: &'a Arc<Share>,
+    share: Arc<Share>,
 }
 
 impl Conversation {
@@ -151,14 +156,14 @@ impl Conversation {
             }
             Ok(method) => {
                 let call = Call {
-                    service: &self.service,
-                    request: &request,
-                    attached: &attached,
+                    service: Arc::clone(&self.service),
+                    attached: Arc::new(attached),
                     urgency,
-                    share: &self.share,
+                    share: Arc::clone(&self.share),
                 };
+                let params = request.params.as_deref();
                 // A panic drops the answer, which tells the client; a store is only ever changed as a whole.
-                let caught = catch_unwind(AssertUnwindSafe(|| call.handle(method, answer)));
+                let caught = catch_unwind(AssertUnwindSafe(|| call.handle(method, params, answer)));
                 drop(caught);
             }
         }
@@ -191,39 +196,51 @@ fn changes_something(method: Method) -> bool {
         | Method::RigDescribe
         | Method::PoseGet
         | Method::FrameRender
+        | Method::FrameBatch
         | Method::MeshVertices
+        | Method::MeshBatch
         | Method::MeshTopology
         | Method::ScenePick
         | Method::JointTransforms => false,
     }
 }
 
-impl Call<'_> {
-    fn handle(&self, method: Method, answer: Answer) {
+impl Call {
+    fn handle(&self, method: Method, params: Params<'_>, answer: Answer) {
         if let Err(late) = self.urgency.check() {
             return answer.fail(late.into());
         }
         match method {
-            Method::RpcDiscover => {
-                self.reply(answer, |_: protocol::NoParams| Ok(protocol::openrpc()))
+            Method::RpcDiscover => self.reply(params, answer, |_: protocol::NoParams| {
+                Ok(protocol::openrpc())
+            }),
+            Method::ServerInfo => {
+                self.reply(params, answer, |_: protocol::NoParams| Ok(self.info()))
             }
-            Method::ServerInfo => self.reply(answer, |_: protocol::NoParams| Ok(self.info())),
-            Method::ServerPing => self.reply(answer, |_: protocol::NoParams| Ok(protocol::Done {})),
-            Method::ServerStats => self.reply(answer, |_: protocol::NoParams| Ok(self.stats())),
-            Method::RigLoad => self.reply(answer, |params| self.load(params)),
-            Method::RigUnload => self.reply(answer, |params| self.unload(&params)),
-            Method::RigList => self.reply(answer, |_: protocol::NoParams| Ok(self.list())),
-            Method::RigDescribe => self.reply(answer, |params| self.describe(&params)),
-            Method::PoseGet => self.reply(answer, |params| self.get_pose(&params)),
-            Method::PoseSet => self.reply(answer, |params| self.set_pose(&params)),
-            Method::PoseReset => self.reply(answer, |params| self.reset_pose(&params)),
-            Method::PoseRotate => self.reply(answer, |params| self.rotate_pose(&params)),
-            Method::PoseRoll => self.reply(answer, |params| self.roll_pose(&params)),
-            Method::JointTransforms => self.reply(answer, |params| self.joint_transforms(&params)),
-            Method::FrameRender => self.hand_over(answer, Self::render),
-            Method::MeshVertices => self.hand_over(answer, Self::vertices),
-            Method::MeshTopology => self.hand_over(answer, Self::topology),
-            Method::ScenePick => self.hand_over(answer, Self::pick),
+            Method::ServerPing => self.reply(params, answer, |_: protocol::NoParams| {
+                Ok(protocol::Done {})
+            }),
+            Method::ServerStats => {
+                self.reply(params, answer, |_: protocol::NoParams| Ok(self.stats()))
+            }
+            Method::RigLoad => self.reply(params, answer, |params| self.load(params)),
+            Method::RigUnload => self.reply(params, answer, |params| self.unload(&params)),
+            Method::RigList => self.reply(params, answer, |_: protocol::NoParams| Ok(self.list())),
+            Method::RigDescribe => self.reply(params, answer, |params| self.describe(&params)),
+            Method::PoseGet => self.reply(params, answer, |params| self.get_pose(&params)),
+            Method::PoseSet => self.reply(params, answer, |params| self.set_pose(&params)),
+            Method::PoseReset => self.reply(params, answer, |params| self.reset_pose(&params)),
+            Method::PoseRotate => self.reply(params, answer, |params| self.rotate_pose(&params)),
+            Method::PoseRoll => self.reply(params, answer, |params| self.roll_pose(&params)),
+            Method::JointTransforms => {
+                self.reply(params, answer, |params| self.joint_transforms(&params))
+            }
+            Method::FrameRender => self.hand_over(params, answer, Self::render),
+            Method::FrameBatch => self.hand_over(params, answer, Self::render_batch),
+            Method::MeshVertices => self.hand_over(params, answer, Self::vertices),
+            Method::MeshBatch => self.hand_over(params, answer, Self::vertices_batch),
+            Method::MeshTopology => self.hand_over(params, answer, Self::topology),
+            Method::ScenePick => self.hand_over(params, answer, Self::pick),
             // Needs the conversation, which has dealt with it.
             Method::RequestCancel => {}
         }
@@ -232,10 +249,11 @@ impl Call<'_> {
     /// For a method that is done when it returns.
     fn reply<P: DeserializeOwned, R: Serialize>(
         &self,
+        params: Params<'_>,
         answer: Answer,
         work: impl FnOnce(P) -> Result<R, Fault>,
     ) {
-        match protocol::params(self.request.params.as_deref()).and_then(work) {
+        match protocol::params(params).and_then(work) {
             Ok(result) => answer.give(&result, |bytes| self.hold(bytes)),
             Err(fault) => answer.fail(fault),
         }
@@ -244,12 +262,12 @@ impl Call<'_> {
     /// For a method whose answer goes its own way, unless it fails at once.
     fn hand_over<P: DeserializeOwned>(
         &self,
+        params: Params<'_>,
         answer: Answer,
         work: impl FnOnce(&Self, P, &mut Option<Answer>) -> Result<(), Fault>,
     ) {
         let mut answer = Some(answer);
-        let begun = protocol::params(self.request.params.as_deref())
-            .and_then(|params| work(self, params, &mut answer));
+        let begun = protocol::params(params).and_then(|params| work(self, params, &mut answer));
         if let (Err(fault), Some(answer)) = (begun, answer) {
             answer.fail(fault);
         }

@@ -5,15 +5,15 @@ use super::scene::of_skinning;
 use super::{Call, describe};
 use crate::engine::{EngineError, PickQuery};
 use crate::pick::{Hit, What};
-use crate::protocol::frame::FrameParams;
 use crate::protocol::pick as wire;
 use crate::protocol::{Attachments, Fault};
 use crate::rig::Rig;
 use crate::scene::{BoneRadius, Size};
 use glam::DVec2;
 use std::sync::Arc;
+use std::time::Duration;
 
-impl Call<'_> {
+impl Call {
     pub(super) fn pick(
         &self,
         params: wire::PickParams,
@@ -25,7 +25,7 @@ impl Call<'_> {
             is_asked_for(wire::PickTarget::Bone),
             is_asked_for(wire::PickTarget::Skin),
         );
-        let params = FrameParams::from(params);
+        let params = params.frame();
         let found = self.engine().rig(&params.rig)?;
         let rig = Arc::clone(&found.loaded.rig);
         let scene = self.scene(&params, &found.loaded)?;
@@ -53,7 +53,7 @@ impl Call<'_> {
         self.engine()
             .pick(posed, skinning, query, terms, move |result| match result {
                 Ok((hit, timings)) => {
-                    stats.rendered(0, 0, timings.render);
+                    let timings = stats.rendered(0, 0, timings, Duration::ZERO);
                     let picked = wire::Picked {
                         ray: wire::Ray {
                             origin: ray.origin.to_array(),
@@ -61,6 +61,7 @@ impl Call<'_> {
                         },
                         hit: hit.map(|hit| described(&hit, &rig)),
                         clamped,
+                        timings_ms: timings,
                     };
                     answer.send(&picked, Attachments::default(), Some(held));
                 }

@@ -11,7 +11,7 @@ use glam::{DMat4, DQuat, DVec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-impl Call<'_> {
+impl Call {
     pub(super) fn get_pose(&self, params: &RigParams) -> Result<wire::StoredPose, Fault> {
         let RigRef { loaded, stored, .. } = self.engine().rig(&params.rig)?;
         let rig = &loaded.rig;
@@ -146,6 +146,13 @@ impl Call<'_> {
             .map_err(|error| located(error, pose))
     }
 
+    /// Whether the pose can be asked for. It is not worked out.
+    pub(super) fn check_pose(&self, pose: &wire::Pose, found: &RigRef) -> Result<(), Fault> {
+        let (base, edit) = self.edit(pose, found)?;
+        let edited = found.start(base).edited(&edit).map_err(EngineError::from);
+        edited.map(drop).map_err(|error| located(error, pose))
+    }
+
     fn edit(&self, pose: &wire::Pose, current: &RigRef) -> Result<(Base, PoseEdit), EngineError> {
         let rig = &current.loaded.rig;
         let base = match pose.base {
@@ -180,34 +187,37 @@ impl Call<'_> {
         ))
     }
 
+    /// As many as there are. `field` is theirs.
+    pub(super) fn numbers(
+        &self,
+        values: &wire::DofValues,
+        field: &str,
+    ) -> Result<Vec<f64>, EngineError> {
+        let attach = match values {
+            wire::DofValues::List(values) => return Ok(values.clone()),
+            wire::DofValues::Attached { attach } => attach,
+        };
+        let path = format!("{field}.attach");
+        let bytes = attach.of(&self.attached, &path);
+        let bytes = bytes.map_err(|fault| match fault {
+            Fault::InvalidParams { path, message } => no_such(path, message),
+            other => no_such(&path, other.to_string()),
+        })?;
+        let (words, rest) = bytes.as_chunks::<4>();
+        if !rest.is_empty() {
+            let problem = format!("expected float32 numbers, but found {} bytes", bytes.len());
+            return Err(no_such(path, problem));
+        }
+        let values = words.iter().map(|&word| f32::from_le_bytes(word));
+        Ok(values.map(f64::from).collect())
+    }
+
     fn all_dofs(
         &self,
         values: &wire::DofValues,
         rig: &Rig,
     ) -> Result<Vec<(usize, f64)>, EngineError> {
-        let values = match values {
-            wire::DofValues::List(values) => values.clone(),
-            wire::DofValues::Attached { attach } => {
-                let path = "pose.dof_values.attach";
-                let bytes = attach
-                    .of(self.attached, path)
-                    .map_err(|fault| match fault {
-                        Fault::InvalidParams { path, message } => no_such(path, message),
-                        other => no_such(path, other.to_string()),
-                    })?;
-                let (words, rest) = bytes.as_chunks::<4>();
-                if !rest.is_empty() {
-                    return Err(no_such(
-                        path,
-                        format!("expected float32 numbers, but found {} bytes", bytes.len()),
-                    ));
-                }
-                words
-                    .iter()
-                    .map(|&word| f64::from(f32::from_le_bytes(word)))
-                    .collect()
-            }
-        };
+        let values = self.numbers(values, "pose.dof_values")?;
         let (wanted, found) = (rig.dofs().all().len(), values.len());
         if wanted != found {
             return Err(no_such(

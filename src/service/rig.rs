@@ -8,7 +8,7 @@ use crate::protocol::{Done, Fault};
 /// Bytes of a rig's name: enough for a path-like scheme of any client's own.
 const LONGEST_NAME: usize = 256;
 
-impl Call<'_> {
+impl Call {
     pub(super) fn load(&self, params: LoadParams) -> Result<RigSummary, Fault> {
         let LoadParams {
             name,
@@ -76,7 +76,7 @@ impl Call<'_> {
             RigFile::Base64 { name, base64 } => inline(name, base64.0),
             RigFile::Attached { name, attach } => {
                 let path = format!("files[{index}].attach");
-                inline(name, attach.of(self.attached, &path)?.to_vec())
+                inline(name, attach.of(&self.attached, &path)?.to_vec())
             }
         }
     }

@@ -12,7 +12,7 @@ use crate::scene::{
 };
 use glam::{DMat4, DVec3};
 
-impl Call<'_> {
+impl Call {
     /// `rig` is what the default camera frames.
     pub(super) fn scene(
         &self,

@@ -6,7 +6,7 @@ use crate::formats::FORMATS;
 use crate::protocol::PROTOCOL_VERSION;
 use crate::protocol::server as wire;
 
-impl Call<'_> {
+impl Call {
     pub(super) fn info(&self) -> wire::ServerInfo {
         let engine = self.engine();
         let adapter = engine.adapter();

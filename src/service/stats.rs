@@ -1,6 +1,8 @@
 //! Counters since the start.
 
+use crate::engine::Timings;
 use crate::protocol::Method;
+use crate::protocol::frame as wire;
 use crate::protocol::server::Outcomes;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,7 +15,11 @@ pub struct Stats {
     requests: Mutex<BTreeMap<&'static str, Outcomes>>,
     frames: AtomicU64,
     vertices: AtomicU64,
+    /// Answers of the renderer.
+    renders: AtomicU64,
+    queue_micros: AtomicU64,
     render_micros: AtomicU64,
+    encode_micros: AtomicU64,
     bytes_in: AtomicU64,
     bytes_out: AtomicU64,
     connections: AtomicU64,
@@ -50,25 +56,38 @@ impl Stats {
         }
     }
 
-    pub(super) fn rendered(&self, frames: u64, vertices: u64, time: Duration) {
-        self.frames.fetch_add(frames, Ordering::Relaxed);
-        self.vertices.fetch_add(vertices, Ordering::Relaxed);
-        self.render_micros
-            .fetch_add(time.as_micros() as u64, Ordering::Relaxed);
+    /// Counts an answer of the renderer. What its parts took, as the wire has it.
+    pub(super) fn rendered(
+        &self,
+        frames: u64,
+        vertices: u64,
+        timings: Timings,
+        encode: Duration,
+    ) -> wire::Timings {
+        let Timings { queue, render } = timings;
+        let micros = |duration: Duration| duration.as_micros() as u64;
+        for (count, more) in [
+            (&self.renders, 1),
+            (&self.frames, frames),
+            (&self.vertices, vertices),
+            (&self.queue_micros, micros(queue)),
+            (&self.render_micros, micros(render)),
+            (&self.encode_micros, micros(encode)),
+        ] {
+            count.fetch_add(more, Ordering::Relaxed);
+        }
+        let milliseconds = |duration: Duration| duration.as_secs_f64() * 1e3;
+        wire::Timings {
+            queue: milliseconds(queue),
+            render: milliseconds(render),
+            encode: milliseconds(encode),
+        }
     }
 
     /// The mean over every answer of the renderer so far.
     pub(super) fn mean_render(&self) -> Duration {
-        let answers: u64 = {
-            let requests = self.requests.lock().unwrap_or_else(PoisonError::into_inner);
-            let drawing = [Method::FrameRender, Method::MeshVertices].map(Method::name);
-            drawing
-                .iter()
-                .filter_map(|method| requests.get(method))
-                .map(|outcomes| outcomes.ok)
-                .sum()
-        };
-        Duration::from_micros(self.render_micros.load(Ordering::Relaxed) / answers.max(1))
+        let renders = self.renders.load(Ordering::Relaxed);
+        Duration::from_micros(self.render_micros.load(Ordering::Relaxed) / renders.max(1))
     }
 
     /// The counters, with every gauge that is not kept here at 0.
@@ -81,6 +100,14 @@ impl Stats {
             requests: requests.collect(),
             frames: self.frames.load(Ordering::Relaxed),
             vertices: self.vertices.load(Ordering::Relaxed),
+            timings_ms: {
+                let milliseconds = |micros: &AtomicU64| micros.load(Ordering::Relaxed) as f64 / 1e3;
+                wire::Timings {
+                    queue: milliseconds(&self.queue_micros),
+                    render: milliseconds(&self.render_micros),
+                    encode: milliseconds(&self.encode_micros),
+                }
+            },
             bytes_in: self.bytes_in.load(Ordering::Relaxed),
             bytes_out: self.bytes_out.load(Ordering::Relaxed),
             connections: self.connections.load(Ordering::Relaxed),

@@ -17,7 +17,8 @@ pub fn ask_attached(service: &Arc<Service>, method: &str, params: &Value) -> (Va
     let outcome = Reply::parse(&reply.line).expect("a reply").outcome;
     let result = outcome.unwrap_or_else(|error| panic!("{method} of {params}: {error}"));
     let result = serde_json::from_str(result.get()).expect("JSON");
-    (result, reply.attachments.concat())
+    let attached = reply.attachments.iter().flat_map(|part| part.bytes());
+    (result, attached.copied().collect())
 }
 
 /// A request with the fields of `changes` in place of its own.

@@ -17,6 +17,7 @@ use std::sync::Arc;
 
 pub(super) struct Worker {
     of: Kind,
+    pool: Arc<Pool>,
     adapter: AdapterInfo,
     capabilities: Capabilities,
 }
@@ -33,14 +34,19 @@ impl Worker {
         let (renderer, adapter, capabilities) =
             Renderer::open(&choice.adapter, choice.require_gpu, threads)?;
         let of = match renderer {
-            Renderer::Gpu(gpu) => Kind::Gpu(GpuWorker::start(*gpu, choice, pool)?),
-            Renderer::Cpu(cpu) => Kind::Cpu(CpuWorker::new(cpu, pool)),
+            Renderer::Gpu(gpu) => Kind::Gpu(GpuWorker::start(*gpu, choice, Arc::clone(&pool))?),
+            Renderer::Cpu(cpu) => Kind::Cpu(CpuWorker::new(cpu, Arc::clone(&pool))),
         };
         Ok(Self {
             of,
+            pool,
             adapter,
             capabilities,
         })
+    }
+
+    pub fn pool(&self) -> &Pool {
+        &self.pool
     }
 
     pub fn adapter(&self) -> &AdapterInfo {

@@ -255,7 +255,11 @@ fn check<R: Serialize + DeserializeOwned>(method: Method, result: &Value, places
 #[test]
 fn pictures_fit_their_schema_and_wrong_ones_do_not() {
     let matrix = [1.0; 16];
-    let png = Picture::Png(vec![1, 2, 3]);
+    let png = Picture::Png {
+        width: 1,
+        height: 1,
+        file: vec![1, 2, 3],
+    };
     let bare = Picture::Rgba8 {
         width: 1,
         height: 1,
@@ -306,6 +310,7 @@ fn arrays_fit_their_schema_and_wrong_ones_do_not() {
             "meshes": [{"name": "skin", "vertex_count": 1, "positions": points}],
             "bounds": {"min": [0.0, 0.0, 0.0], "max": [1.0, 1.0, 1.0]},
             "clamped": [{"dof": "elbow.rx", "asked": 3.0, "used": 2.0}],
+            "timings_ms": {"queue": 0.5, "render": 1.0, "encode": 0.25},
         });
         check::<Vertices>(
             Method::MeshVertices,

@@ -303,7 +303,7 @@ fn a_fault_in_other_parameters_has_its_path_and_says_what_was_expected() {
         (
             r#"{"files":[{"name":"b","base64":"$$"}]}"#,
             "files[0].base64",
-            "expected a string in base64, but found one with a fault: Invalid symbol 36, offset 0.",
+            "expected a string in base64, but found one with a fault: byte 1 is none of its characters",
         ),
         (
             r#"{"files":[{"name":"b","attach":{"offset":-1,"bytes":1}}]}"#,
