@@ -20,10 +20,7 @@ use std::time::Instant;
 /// Of the adapter that the daemon draws with.
 pub enum Floor<'a> {
     /// Rigd's own renderer, on as many threads as the daemon has.
-    Bare {
-        cpu: Cpu,
-        pool: rayon::ThreadPool,
-    },
+    Bare { cpu: Cpu, pool: rayon::ThreadPool },
     /// A device is one thread's; what comes nearest to bare calls is the engine.
     Engine(&'a Engine),
 }
@@ -110,11 +107,13 @@ impl<'a> Floor<'a> {
             return None;
         };
         let portions = |query: VertexQuery| {
-            (0..query.count).step_by(PORTION).map(move |start| VertexQuery {
-                start,
-                count: PORTION.min(query.count - start),
-                ..query
-            })
+            (0..query.count)
+                .step_by(PORTION)
+                .map(move |start| VertexQuery {
+                    start,
+                    count: PORTION.min(query.count - start),
+                    ..query
+                })
         };
         Some(timed(count, || {
             on_threads(pool.current_num_threads(), count, |next| {

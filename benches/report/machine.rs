@@ -21,7 +21,9 @@ impl Machine {
             ..adapter.clone()
         };
         Self {
-            processor: model.map_or("an unknown processor", |(_, name)| name).to_owned(),
+            processor: model
+                .map_or("an unknown processor", |(_, name)| name)
+                .to_owned(),
             cores: std::thread::available_parallelism().map_or(1, usize::from),
             adapter: known.to_string(),
             date: today(),

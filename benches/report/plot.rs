@@ -86,7 +86,11 @@ impl Plot {
         for (index, line) in self.lines.iter().enumerate() {
             // A line and the floor beneath it have one color.
             let color = COLORS[index / 2 % COLORS.len()];
-            let dashes = if line.is_floor { " stroke-dasharray=\"6 4\"" } else { "" };
+            let dashes = if line.is_floor {
+                " stroke-dasharray=\"6 4\""
+            } else {
+                ""
+            };
             let stroke = format!("fill=\"none\" stroke=\"{color}\" stroke-width=\"2\"{dashes}");
             let places: Vec<String> = line
                 .shown()
@@ -95,7 +99,10 @@ impl Plot {
             let _ = writeln!(svg, "<polyline points=\"{}\" {stroke}/>", places.join(" "));
             if !line.is_floor {
                 for (x, y) in places.iter().filter_map(|place| place.split_once(',')) {
-                    let _ = writeln!(svg, "<circle cx=\"{x}\" cy=\"{y}\" r=\"3\" fill=\"{color}\"/>");
+                    let _ = writeln!(
+                        svg,
+                        "<circle cx=\"{x}\" cy=\"{y}\" r=\"3\" fill=\"{color}\"/>"
+                    );
                 }
             }
             let y = TOP + 16.0 + 20.0 * index as f64;
@@ -108,8 +115,11 @@ impl Plot {
 }
 
 impl Line {
-    fn shown(&self) -> impl Iterator<Item = (f64, f64)> {
-        self.points.iter().copied().filter(|(x, y)| *x > 0.0 && *y > 0.0)
+    fn shown(&self) -> impl Iterator<Item = (f64, f64)> + Clone {
+        self.points
+            .iter()
+            .copied()
+            .filter(|(x, y)| *x > 0.0 && *y > 0.0)
     }
 }
 

@@ -37,9 +37,12 @@ impl Wire {
     }
 
     pub fn send(&mut self, request: &[u8]) {
-        self.writer
-            .write_all(request)
-            .expect("the server reads on");
+        self.writer.write_all(request).expect("the server reads on");
+    }
+
+    /// The last reply's.
+    pub fn line(&self) -> &[u8] {
+        &self.line
     }
 
     /// # Panics
@@ -97,7 +100,10 @@ pub fn echo(reply: Vec<u8>) -> SocketAddr {
                 stream.set_nodelay(true).expect("a socket");
                 let mut reader = BufReader::new(stream.try_clone().expect("a socket"));
                 let mut line = Vec::new();
-                while reader.read_until(b'\n', &mut line).is_ok_and(|count| count > 0) {
+                while reader
+                    .read_until(b'\n', &mut line)
+                    .is_ok_and(|count| count > 0)
+                {
                     if stream.write_all(&reply).is_err() {
                         return;
                     }
