@@ -142,7 +142,7 @@ impl Sizes<'_> {
         growth
     }
 
-    /// Seconds a frame, of the daemon and of the floor.
+    /// Seconds a frame, of the daemon and of the floor: of the best rounds, for a curve has no ratio that noise falls out of.
     fn frames(
         &self,
         floor: &Floor,
@@ -157,7 +157,7 @@ impl Sizes<'_> {
             Box::new(|count| floor.frames(subject, shots, IN_FLIGHT, count)),
         ];
         let rounds = self.effort.in_turn(IN_FLIGHT.max(clients), sides);
-        [rounds.median(0), rounds.median(1)]
+        rounds.best()
     }
 
     fn batches(&self, floor: &Floor, subject: &Subject) -> Option<Growth> {
@@ -177,7 +177,7 @@ impl Sizes<'_> {
                 Box::new(|count| floor.frames(subject, shots, frames.min(IN_FLIGHT), count)),
             ];
             let rounds = self.effort.in_turn(frames, sides);
-            growth.push(frames, vec![rounds.median(0), rounds.median(1)]);
+            growth.push(frames, rounds.best().into());
         }
         Some(growth)
     }
@@ -207,7 +207,7 @@ impl Sizes<'_> {
             Box::new(|count| floor.frames(subject, shots, 1, count)),
         ];
         let rounds = self.effort.in_turn(IN_FLIGHT, sides);
-        growth.push(1, vec![rounds.median(0), rounds.median(1)]);
+        growth.push(1, rounds.best().into());
         for clients in [2, 4, 8, 16, 32, 64] {
             let seconds = self.frames(floor, self.daemon, subject, shots, clients);
             growth.push(clients, seconds.into());

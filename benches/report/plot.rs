@@ -22,13 +22,13 @@ const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 400.0;
 const LEFT: f64 = 70.0;
 const RIGHT: f64 = 470.0;
-const TOP: f64 = 40.0;
+const TOP: f64 = 60.0;
 const BOTTOM: f64 = 340.0;
 /// Greys and colors of middling brightness, which can be told from a white and from a black page alike.
 const INK: &str = "#808080";
 const COLORS: [&str; 3] = ["#2d8fd0", "#d2691e", "#3a9a5b"];
 
-/// An axis from decade to decade.
+/// A logarithmic axis.
 struct Axis {
     low: f64,
     high: f64,
@@ -36,25 +36,45 @@ struct Axis {
     to: f64,
 }
 
+/// An axis is at least so many times as long as where it starts, so that noise does not fill the picture.
+const LEAST_SPAN: f64 = 10.0;
+/// Room at both ends.
+const MARGIN: f64 = 1.15;
+
 impl Axis {
     fn around(values: impl Iterator<Item = f64> + Clone, from: f64, to: f64) -> Self {
-        let low = values.clone().fold(f64::INFINITY, f64::min).log10().floor();
-        let high = values.fold(0.0, f64::max).log10().ceil();
+        let low = values.clone().fold(f64::INFINITY, f64::min);
+        let high = values.fold(0.0, f64::max);
+        let missing = (LEAST_SPAN * low / high).max(1.0).sqrt();
         Self {
-            low,
-            high: high.max(low + 1.0),
+            low: low / missing / MARGIN,
+            high: high * missing * MARGIN,
             from,
             to,
         }
     }
 
     fn place(&self, value: f64) -> f64 {
-        let share = (value.log10() - self.low) / (self.high - self.low);
+        let share = (value / self.low).ln() / (self.high / self.low).ln();
         self.from + share * (self.to - self.from)
     }
 
-    fn decades(&self) -> impl Iterator<Item = f64> {
-        (self.low as i32..=self.high as i32).map(|power| 10f64.powi(power))
+    /// 1, 2 and 5 of each decade, or over many decades 1 alone.
+    fn marks(&self) -> Vec<f64> {
+        let digits: &[f64] = match self.high / self.low {
+            ..=1000.0 => &[1.0, 2.0, 5.0],
+            _ => &[1.0],
+        };
+        let decades = self.low.log10().floor() as i32..=self.high.log10().ceil() as i32;
+        let marks = decades.flat_map(|power| digits.iter().map(move |digit| (digit, power)));
+        marks
+            .map(|(digit, power)| match power {
+                // A quotient of whole numbers prints as few digits as it has.
+                ..0 => digit / 10f64.powi(-power),
+                _ => digit * 10f64.powi(power),
+            })
+            .filter(|value| (self.low..=self.high).contains(value))
+            .collect()
     }
 }
 
@@ -69,20 +89,20 @@ impl Plot {
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" width=\"{WIDTH}\" height=\"{HEIGHT}\" \
              font-family=\"sans-serif\" font-size=\"12\" fill=\"{INK}\">\n"
         );
-        text(&mut svg, (LEFT, 24.0), "start", 14, &self.title);
-        for value in xs.decades() {
+        text(&mut svg, (LEFT, 22.0), "start", 14, &self.title);
+        for value in xs.marks() {
             let x = xs.place(value);
             rule(&mut svg, (x, TOP), (x, BOTTOM));
             text(&mut svg, (x, BOTTOM + 18.0), "middle", 12, &short(value));
         }
-        for value in ys.decades() {
+        for value in ys.marks() {
             let y = ys.place(value);
             rule(&mut svg, (LEFT, y), (RIGHT, y));
             text(&mut svg, (LEFT - 8.0, y + 4.0), "end", 12, &short(value));
         }
         let middle = (LEFT + RIGHT) / 2.0;
         text(&mut svg, (middle, BOTTOM + 42.0), "middle", 12, self.x);
-        text(&mut svg, (8.0, TOP - 8.0), "start", 12, self.y);
+        text(&mut svg, (LEFT, TOP - 12.0), "start", 12, self.y);
         for (index, line) in self.lines.iter().enumerate() {
             // A line and the floor beneath it have one color.
             let color = COLORS[index / 2 % COLORS.len()];
@@ -138,7 +158,7 @@ fn text(svg: &mut String, (x, y): (f64, f64), anchor: &str, size: u32, words: &s
     );
 }
 
-/// A power of ten.
+/// As it stands beside an axis.
 fn short(value: f64) -> String {
     match value {
         1e6.. => format!("{}M", (value / 1e6).round()),

@@ -49,6 +49,11 @@ impl Rounds {
         self.spread(|round| round[side]).median
     }
 
+    /// Seconds of one thing of the first two sides, in the best round of each.
+    pub fn best(&self) -> [f64; 2] {
+        [0, 1].map(|side| self.spread(|round| round[side]).low)
+    }
+
     /// How many times as long as the second side's one thing of the first side takes.
     pub fn ratio(&self, one: usize, other: usize) -> Spread {
         self.spread(|round| round[one] / round[other])

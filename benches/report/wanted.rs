@@ -9,6 +9,7 @@ use crate::scenes::{Shots, Subject};
 use crate::served::{Batch, Daemon};
 use crate::table::{Outcome, Row, Wanted, digits};
 use crate::wire::{Wire, echo, pings, request};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Requests of one connection at a time, where there are several.
 pub const IN_FLIGHT: usize = 8;
@@ -252,17 +253,22 @@ impl Wishes<'_> {
         row(what, Wanted::AtMost(1.05), Unit::Millis, &rounds)
     }
 
+    /// Over one connection, so that no thread is started in between.
     fn memory(&self) -> Row {
         const SETTLED: usize = 500;
         let subject = Subject::load(self.daemon.engine(), "small", &USUAL.files());
-        let frames = |count| {
-            let shots = Shots::new(64, 4);
-            self.daemon.frames(&subject, shots, 1, IN_FLIGHT, count);
-            resident_bytes() as f64
-        };
-        let first = frames(SETTLED);
-        let last = frames(self.enduring - SETTLED);
+        let shots = Shots::new(64, 4);
+        let [first, last] = [(); 2].map(|()| AtomicU64::new(0));
+        self.daemon.ask(1, IN_FLIGHT, self.enduring, |index| {
+            if index == SETTLED {
+                first.store(resident_bytes(), Ordering::Relaxed);
+            } else if index == self.enduring - 1 {
+                last.store(resident_bytes(), Ordering::Relaxed);
+            }
+            request("frame.render", &shots.params(&subject, index), &[])
+        });
         self.daemon.engine().unload("small").expect("it is loaded");
+        let [first, last] = [first, last].map(|bytes| bytes.into_inner() as f64);
         let told = |bytes: f64| format!("{:.1} MiB", bytes / f64::from(1 << 20));
         let ratio = last / first;
         Row {
