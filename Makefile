@@ -25,9 +25,9 @@ test: setup
 setup:
 	sh scripts/setup.sh
 
-## Frames a second of both renderers, of the bare engine and through a socket; how fast files become rigs.
+## Frames a second of both renderers, how fast files become rigs, and what the service costs: writes docs/benchmarks/service.md.
 bench:
-	$(CARGO) bench --locked --bench drawing --bench service --bench loading
+	$(CARGO) bench --locked --bench drawing --bench loading --bench report
 
 clean:
 	$(CARGO) clean

@@ -55,6 +55,7 @@ fn every_link_leads_somewhere() {
         "docs/formats.md",
         "docs/operations.md",
         "docs/benchmarks.md",
+        "docs/benchmarks/service.md",
     ];
     for document in documents {
         let text = std::fs::read_to_string(root.join(document))

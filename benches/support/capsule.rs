@@ -14,14 +14,17 @@ pub struct Capsule {
     pub joints: usize,
     /// Of each vertex.
     pub influences: usize,
+    /// Morph targets, each of which moves every vertex.
+    pub morphs: usize,
 }
 
-/// 10,100 vertices, 20,000 triangles, 64 joints, 4 influences.
+/// 10,100 vertices, 20,000 triangles, 64 joints, 4 influences, no morph target.
 pub const USUAL: Capsule = Capsule {
     rings: 100,
     segments: 100,
     joints: 64,
     influences: 4,
+    morphs: 0,
 };
 
 /// Half the length of the part between the caps, and the radius.
@@ -33,7 +36,7 @@ impl Capsule {
         (self.rings + 1) * self.segments
     }
 
-    /// A skeleton and a skin.
+    /// A skeleton, a skin, and its morph targets.
     pub fn files(&self) -> Vec<FileRef> {
         let file = |name: &str, text: String| {
             FileRef::Inline(File {
@@ -41,10 +44,30 @@ impl Capsule {
                 bytes: text.into_bytes().into(),
             })
         };
-        vec![
+        let mut files = vec![
             file("capsule.skel", self.skel()),
             file("capsule.skin", self.skin()),
-        ]
+        ];
+        files.extend(
+            (0..self.morphs).map(|morph| file(&format!("m{morph}.morph"), self.morph(morph))),
+        );
+        files
+    }
+
+    /// The capsule a little thicker, the later ones more so.
+    fn morph(&self, morph: usize) -> String {
+        let radius = RADIUS * (1.01 + 1e-4 * morph as f64);
+        let mut text = format!("positions {} {{", self.vertex_count());
+        for ring in 0..=self.rings {
+            let (out, up, middle) = profile(ring as f64 / self.rings as f64);
+            for segment in 0..self.segments {
+                let (sin, cos) = (TAU * segment as f64 / self.segments as f64).sin_cos();
+                let [x, y, z] = [out * cos, up, out * sin].map(|part| part * radius);
+                let vertex = ring * self.segments + segment;
+                let _ = writeln!(text, "{vertex} {x:.4} {:.4} {z:.4}", y + middle);
+            }
+        }
+        text + "}"
     }
 
     fn skel(&self) -> String {
