@@ -1,6 +1,7 @@
 //! Does the program do what its help says, and fail in words?
 
 use image::RgbaImage;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::Once;
@@ -662,4 +663,50 @@ fn what_draws_can_be_chosen_and_what_is_not_there_is_refused() {
             }
         }
     }
+}
+
+#[test]
+fn a_stream_is_called_for_and_each_picture_saved() {
+    let mut daemon = Command::new(env!("CARGO_BIN_EXE_rigd"));
+    let daemon = daemon
+        .args(["serve", "--listen", "127.0.0.1:0"])
+        .args(ADAPTER);
+    let mut daemon = daemon.stdout(Stdio::piped()).spawn().expect("it starts");
+    let mut said = BufReader::new(daemon.stdout.take().expect("it is piped"));
+    let mut line = String::new();
+    said.read_line(&mut line).expect("a line");
+    let address = line.trim_end().rsplit(' ').next().expect("an address");
+    let params = r#"{"rig": "figure", "size": [24, 32], "stream": true, "frames": [{}, {"camera": {"kind": "orbit", "azimuth": 2}}]}"#;
+    for transport in ["base64", "attach"] {
+        let params = params.replace(
+            "\"stream\"",
+            &format!("\"transport\": \"{transport}\", \"stream\""),
+        );
+        let name = format!("{transport}.png");
+        let output = rigd(&[
+            "call",
+            "frame.batch",
+            &params,
+            "--connect",
+            address,
+            "-o",
+            &name,
+        ]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let said = text(&output.stdout);
+        let items: Vec<&str> = said.lines().take(2).collect();
+        assert!(
+            items.iter().all(|item| item.contains("frame.ready")),
+            "{said}"
+        );
+        assert!(
+            said.trim_end().ends_with("{\n  \"frame_count\": 2\n}"),
+            "{said}"
+        );
+        let saved = [0, 1].map(|index| picture(&format!("{transport}-000{index}.png")));
+        assert!(saved.iter().all(|picture| picture.dimensions() == (24, 32)));
+        assert!(saved[0] != saved[1]);
+    }
+    daemon.kill().expect("it runs");
+    daemon.wait().expect("it ends");
 }

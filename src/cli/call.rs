@@ -1,12 +1,12 @@
 //! `rigd call`: one request to a running daemon.
 
-use crate::client::{Client, ClientError};
+use crate::client::{Ahead, Client, Message};
 use crate::protocol::Blob;
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::io::Read;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Args)]
 pub(super) struct CallArgs {
@@ -15,7 +15,8 @@ pub(super) struct CallArgs {
     /// A JSON object, @FILE to read one, or - for standard input
     #[arg(default_value = "{}")]
     params: String,
-    /// Save the first picture or array of the result here, and leave its data out of what is printed
+    /// Save the first picture or array of the result here, and leave its data out of what is printed; of a stream that of each item,
+    /// numbered
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Where the daemon listens
@@ -31,26 +32,53 @@ pub(super) fn run(args: &CallArgs) -> anyhow::Result<()> {
             args.connect
         )
     })?;
-    let (mut result, attached) = match client.call_raw(&args.method, params) {
-        Ok(answered) => answered,
-        Err(ClientError::Server(error)) => {
+    client.send(&args.method, &params)?;
+    let mut ahead = 0;
+    let reply = loop {
+        match client.next()? {
+            Message::Ahead(item) => {
+                args.print_item(item, ahead)?;
+                ahead += 1;
+            }
+            Message::Reply(reply) => break reply,
+        }
+    };
+    let mut result = match reply.outcome {
+        Ok(result) => serde_json::from_str(result.get())?,
+        Err(error) => {
             // On standard output as well: whoever reads the result by program wants the error the same way.
             super::print(&serde_json::to_string_pretty(&error)?)?;
             bail!("{error}");
         }
-        Err(error) => return Err(error.into()),
     };
-    if let Some(output) = &args.output {
-        let bytes = take_blob(&mut result, &attached)?
+    // Those of a stream are saved already.
+    if let Some(output) = args.output.as_ref().filter(|_| ahead == 0) {
+        let bytes = take_blob(&mut result, &reply.attached)?
             .context("the result has no picture and no array to save")?;
-        std::fs::write(output, &bytes)
-            .with_context(|| format!("cannot write {}", output.display()))?;
-        eprintln!("{} ({} bytes)", output.display(), bytes.len());
+        save(output, &bytes)?;
     }
     super::print(&serde_json::to_string_pretty(&result)?)
 }
 
+fn save(output: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    std::fs::write(output, bytes).with_context(|| format!("cannot write {}", output.display()))?;
+    eprintln!("{} ({} bytes)", output.display(), bytes.len());
+    Ok(())
+}
+
 impl CallArgs {
+    /// An item of a stream, on a line of its own.
+    fn print_item(&self, item: Ahead, index: usize) -> anyhow::Result<()> {
+        let mut params: Value = serde_json::from_str(item.params.get())?;
+        if let Some(output) = &self.output
+            && let Some(bytes) = take_blob(&mut params, &item.attached)?
+        {
+            save(&numbered(output, index), &bytes)?;
+        }
+        let method = item.method;
+        super::print(&json!({"method": method, "params": params}).to_string())
+    }
+
     fn params(&self) -> anyhow::Result<Value> {
         let text = match self.params.as_str() {
             "-" => {
@@ -69,6 +97,16 @@ impl CallArgs {
         };
         serde_json::from_str(&text).with_context(|| format!("the parameters are not JSON: {text}"))
     }
+}
+
+/// `out.png` with 7 is `out-0007.png`.
+fn numbered(output: &Path, index: usize) -> PathBuf {
+    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+    let mut name = format!("{stem}-{index:04}");
+    if let Some(extension) = output.extension() {
+        name = format!("{name}.{}", extension.to_string_lossy());
+    }
+    output.with_file_name(name)
 }
 
 /// The content of the first blob in `value`, whose data is then gone from it.
