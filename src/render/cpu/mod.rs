@@ -113,7 +113,7 @@ impl Cpu {
         spread: Spread<'_>,
     ) -> SkinnedVertices {
         let mut positions = vec![0.0f32; 3 * query.count];
-        let mut normals = query.normals.then(|| positions.clone());
+        let mut normals = query.normals.then(|| vec![0.0; 3 * query.count]);
         self.skin_range(
             &SkinJob::new(instance, &instance.rig().meshes()[query.mesh]),
             query.start,
