@@ -12,91 +12,103 @@ pub struct Frame {
     pub pixels: Pixels,
 }
 
-/// Bytes of a picture, whose memory goes back to where it came from once nobody looks at them any more.
-#[derive(Debug, Default)]
-pub struct Pixels {
-    bytes: Vec<u8>,
-    home: Option<Arc<SparePixels>>,
+/// Bytes of a picture.
+pub type Pixels = Pooled<u8>;
+
+/// A list whose memory goes back to where it came from once nobody looks at it any more.
+#[derive(Debug)]
+pub struct Pooled<T> {
+    items: Vec<T>,
+    home: Option<Arc<Spare<T>>>,
 }
 
-/// Memory for pictures to come.
-#[derive(Debug, Default)]
-pub struct SparePixels(Mutex<Vec<Vec<u8>>>);
+/// Memory for lists to come: what is asked for again and again in a few sizes costs more to ask the system for than to fill.
+#[derive(Debug)]
+pub struct Spare<T>(Mutex<Vec<Vec<T>>>);
 
-impl SparePixels {
-    /// Pictures that are drawn or encoded at a time, about; the memory of more is let go.
+impl<T> Default for Spare<T> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<T> Spare<T> {
+    /// Lists that are filled, packed or written at a time, about; the memory of more is let go.
     const MOST: usize = 16;
-    /// A picture larger than this costs enough time to ask the system for its memory.
+    /// One larger than this costs enough time to fill that its memory may be asked for.
     const MOST_BYTES: usize = 16 << 20;
 
-    /// So many bytes of any value.
-    pub fn take(self: &Arc<Self>, bytes: usize) -> Pixels {
+    fn give_back(&self, items: Vec<T>) {
+        if size_of_val(items.as_slice()) > Self::MOST_BYTES {
+            return;
+        }
         let mut spare = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let fitting = spare.iter().position(|spare| spare.len() == bytes);
+        if spare.len() == Self::MOST {
+            // The one that was not wanted for the longest time.
+            spare.remove(0);
+        }
+        spare.push(items);
+    }
+}
+
+impl<T: Clone + Default> Spare<T> {
+    /// So many items of any value.
+    pub fn take(self: &Arc<Self>, count: usize) -> Pooled<T> {
+        let mut spare = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let fitting = spare.iter().position(|spare| spare.len() == count);
         let found = fitting.map(|fitting| spare.swap_remove(fitting));
         drop(spare);
-        Pixels {
-            bytes: found.unwrap_or_else(|| vec![0; bytes]),
+        Pooled {
+            items: found.unwrap_or_else(|| vec![T::default(); count]),
             home: Some(Arc::clone(self)),
         }
     }
-
-    fn give_back(&self, bytes: Vec<u8>) {
-        let mut spare = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if bytes.len() <= Self::MOST_BYTES {
-            if spare.len() == Self::MOST {
-                // The one that was not wanted for the longest time.
-                spare.remove(0);
-            }
-            spare.push(bytes);
-        }
-    }
 }
 
-impl Pixels {
+impl<T> Pooled<T> {
     /// Takes the memory along.
-    pub fn into_vec(mut self) -> Vec<u8> {
-        std::mem::take(&mut self.bytes)
+    pub fn into_vec(mut self) -> Vec<T> {
+        std::mem::take(&mut self.items)
     }
 }
 
-impl Drop for Pixels {
+impl<T> Drop for Pooled<T> {
     fn drop(&mut self) {
-        if let Some(home) = self.home.take().filter(|_| !self.bytes.is_empty()) {
-            home.give_back(std::mem::take(&mut self.bytes));
+        if let Some(home) = self.home.take().filter(|_| !self.items.is_empty()) {
+            home.give_back(std::mem::take(&mut self.items));
         }
     }
 }
 
-impl From<Vec<u8>> for Pixels {
-    fn from(bytes: Vec<u8>) -> Self {
-        Self { bytes, home: None }
+impl<T> From<Vec<T>> for Pooled<T> {
+    fn from(items: Vec<T>) -> Self {
+        Self { items, home: None }
     }
 }
 
-impl Clone for Pixels {
+impl<T: Clone> Clone for Pooled<T> {
     fn clone(&self) -> Self {
-        self.bytes.clone().into()
+        self.items.clone().into()
     }
 }
 
-impl PartialEq for Pixels {
+impl<T: PartialEq> PartialEq for Pooled<T> {
     fn eq(&self, other: &Self) -> bool {
-        self.bytes == other.bytes
+        self.items == other.items
     }
 }
 
-impl Deref for Pixels {
-    type Target = [u8];
+impl<T> Deref for Pooled<T> {
+    type Target = [T];
 
-    fn deref(&self) -> &[u8] {
-        &self.bytes
+    fn deref(&self) -> &[T] {
+        &self.items
     }
 }
 
-impl DerefMut for Pixels {
-    fn deref_mut(&mut self) -> &mut [u8] {
-        &mut self.bytes
+impl<T> DerefMut for Pooled<T> {
+    fn deref_mut(&mut self) -> &mut [T] {
+        &mut self.items
     }
 }
 
@@ -105,9 +117,9 @@ impl DerefMut for Pixels {
 pub struct SkinnedVertices {
     pub vertex_count: usize,
     /// `3 * vertex_count` numbers in world space, where asked for.
-    pub positions: Option<Vec<f32>>,
+    pub positions: Option<Pooled<f32>>,
     /// `3 * vertex_count` numbers, unit length, where asked for.
-    pub normals: Option<Vec<f32>>,
+    pub normals: Option<Pooled<f32>>,
 }
 
 #[cfg(test)]
@@ -116,7 +128,7 @@ mod tests {
 
     #[test]
     fn memory_comes_round_and_never_piles_up() {
-        let spare = Arc::new(SparePixels::default());
+        let spare = Arc::new(Spare::<u8>::default());
         let mut first = spare.take(64);
         first[0] = 7;
         let place = first.as_ptr();
@@ -125,10 +137,10 @@ mod tests {
         assert_eq!(spare.take(64).into_vec().len(), 64);
         let many: Vec<Pixels> = (0..100).map(|_| spare.take(32)).collect();
         drop(many);
-        let huge = spare.take(SparePixels::MOST_BYTES + 1);
+        let huge = spare.take(Spare::<u8>::MOST_BYTES + 1);
         drop(huge);
         let kept = spare.0.lock().unwrap();
-        assert_eq!(kept.len(), SparePixels::MOST);
+        assert_eq!(kept.len(), Spare::<u8>::MOST);
         assert!(kept.iter().all(|kept| kept.len() == 32));
     }
 }

@@ -2,6 +2,7 @@
 
 use super::random::Random;
 use super::*;
+use crate::frame::Pooled;
 use crate::limits::Limits;
 use crate::pose::Pose;
 use crate::rig::{BindingDraft, Draft, JointDraft, Limit, MeshDraft, RotationOrder};
@@ -57,13 +58,9 @@ fn rig(meshes: Vec<MeshDraft>, bindings: &[Option<usize>]) -> Rig {
     draft.build(&Limits::default()).expect("a valid draft")
 }
 
-fn flat(vectors: &[Vec3]) -> Option<Vec<f32>> {
-    Some(
-        vectors
-            .iter()
-            .flat_map(|vector| vector.to_array())
-            .collect(),
-    )
+fn flat(vectors: &[Vec3]) -> Option<Pooled<f32>> {
+    let numbers = vectors.iter().flat_map(|vector| vector.to_array());
+    Some(numbers.collect::<Vec<f32>>().into())
 }
 
 /// As a renderer gives them back, of a rig that stands where it was modelled.
@@ -322,7 +319,7 @@ fn meshes_are_numbered_and_what_is_left_out_is_passed_over() {
     assert_eq!(found(&Ray { to: 2.5, ..window }, &meshes), None);
     meshes[1].positions = None;
     assert_eq!(found(&window, &meshes), Some((2, 3.0)));
-    meshes[2].positions = Some(vec![0.0; 4]);
+    meshes[2].positions = Some(vec![0.0; 4].into());
     assert_eq!(found(&window, &meshes), Some((3, 4.0)));
     assert_eq!(found(&window, &meshes[..1]), Some((0, 5.0)));
 }

@@ -8,6 +8,7 @@ use schemars::JsonSchema;
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
+use std::ops::Deref;
 
 /// A stretch of the raw bytes that follow the request's line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -41,11 +42,23 @@ impl Attach {
 }
 
 /// Bytes, in the memory in which they were made.
-#[derive(Debug, Clone, PartialEq)]
 pub enum Part {
     Bytes(Vec<u8>),
     /// Of a machine whose numbers are little-endian.
     Numbers(Numbers),
+    /// The same, in memory that is somebody else's.
+    Lent(Box<dyn Floats>),
+}
+
+/// Numbers of float32, wherever they lie.
+pub trait Floats: Send + Sync {
+    fn floats(&self) -> &[f32];
+}
+
+impl<T: Deref<Target = [f32]> + Send + Sync> Floats for T {
+    fn floats(&self) -> &[f32] {
+        self
+    }
 }
 
 impl Part {
@@ -54,14 +67,33 @@ impl Part {
             Self::Bytes(bytes) => bytes,
             Self::Numbers(Numbers::Float32(numbers)) => bytemuck::cast_slice(numbers),
             Self::Numbers(Numbers::Uint32(numbers)) => bytemuck::cast_slice(numbers),
+            Self::Lent(numbers) => bytemuck::cast_slice(numbers.floats()),
         }
     }
 
     pub fn into_bytes(self) -> Vec<u8> {
         match self {
             Self::Bytes(bytes) => bytes,
-            Self::Numbers(_) => self.bytes().to_vec(),
+            Self::Numbers(_) | Self::Lent(_) => self.bytes().to_vec(),
         }
+    }
+}
+
+impl fmt::Debug for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} bytes", self.bytes().len())
+    }
+}
+
+impl Clone for Part {
+    fn clone(&self) -> Self {
+        Self::Bytes(self.bytes().to_vec())
+    }
+}
+
+impl PartialEq for Part {
+    fn eq(&self, other: &Self) -> bool {
+        self.bytes() == other.bytes()
     }
 }
 

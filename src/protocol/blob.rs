@@ -1,7 +1,7 @@
 //! Pictures and arrays in a result, and the three ways in which they travel.
 //! Never lives here: compressing pictures, and writing what is attached.
 
-use super::attach::{Attachments, Part};
+use super::attach::{Attachments, Floats, Part};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -160,6 +160,24 @@ impl Blob {
             ArrayTransport::Attach => Body::attached(numbers.into(), attachments),
         };
         let content = Content::Array { dtype, shape };
+        Self { content, body }
+    }
+
+    /// An array of float32, to be attached from where it lies.
+    pub fn attached(
+        floats: impl Floats + 'static,
+        shape: &[usize],
+        attachments: &mut Attachments,
+    ) -> Self {
+        if cfg!(target_endian = "big") {
+            let numbers = Numbers::Float32(floats.floats().to_vec());
+            return Self::array(numbers, shape, ArrayTransport::Attach, attachments);
+        }
+        let content = Content::Array {
+            dtype: Dtype::Float32,
+            shape: shape.iter().map(|length| *length as u64).collect(),
+        };
+        let body = Body::attached(Part::Lent(Box::new(floats)), attachments);
         Self { content, body }
     }
 

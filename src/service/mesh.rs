@@ -5,7 +5,7 @@ use super::batch::{Course, Items};
 use super::scene::of_skinning;
 use super::{Call, describe};
 use crate::engine::{RigRef, Terms, Timings};
-use crate::frame::SkinnedVertices;
+use crate::frame::{Pooled, SkinnedVertices};
 use crate::pose::{Posed, Skinning};
 use crate::protocol::batch::{BatchAttribute, MeshBatch, MeshBatchParams, MeshItem, MeshReady};
 use crate::protocol::blob::{ArrayTransport, Blob, Numbers};
@@ -300,13 +300,12 @@ impl Done {
             clamped,
             timings,
         } = self;
-        let mut blob = |numbers: Vec<f32>, shape: [usize; 2]| {
-            Blob::array(
-                Numbers::Float32(numbers),
-                &shape,
-                wanted.transport,
-                attachments,
-            )
+        let mut blob = |numbers: Pooled<f32>, shape: [usize; 2]| match wanted.transport {
+            ArrayTransport::Attach => Blob::attached(numbers, &shape, attachments),
+            transport @ (ArrayTransport::Json | ArrayTransport::Base64) => {
+                let numbers = Numbers::Float32(numbers.into_vec());
+                Blob::array(numbers, &shape, transport, attachments)
+            }
         };
         let meshes = wanted.queries.iter().zip(skinned).map(|(query, skinned)| {
             let count = skinned.vertex_count;
@@ -322,7 +321,7 @@ impl Done {
         MeshItem {
             meshes,
             bounds: bounds.map(|bounds| describe::bounds(&bounds)),
-            joints: joints.map(|numbers| blob(numbers, [rig.skeleton().joints().len(), 16])),
+            joints: joints.map(|numbers| blob(numbers.into(), [rig.skeleton().joints().len(), 16])),
             clamped,
             timings_ms: timings,
         }
@@ -434,7 +433,8 @@ impl Items for MeshItems {
             let positions = skinned.positions.iter().filter(|_| done.wanted.positions);
             positions.chain(&skinned.normals)
         });
-        let numbers: usize = of_skin.chain(&done.joints).map(Vec::len).sum();
+        let of_joints = done.joints.iter().map(Vec::len);
+        let numbers: usize = of_skin.map(|it| it.len()).chain(of_joints).sum();
         let bytes = 4 * numbers as u64;
         match done.wanted.transport {
             ArrayTransport::Attach => bytes,

@@ -26,7 +26,7 @@ pub use skinned::Skinned;
 pub use spread::{Cores, Spread};
 
 use super::{AdapterInfo, AdapterKind, Capabilities, Instance, Outputs, Plan, Wanted};
-use crate::frame::{SkinnedVertices, SparePixels};
+use crate::frame::{SkinnedVertices, Spare};
 use crate::rig::Mesh;
 use crate::scene::VertexQuery;
 use fearless_simd::Level;
@@ -45,7 +45,8 @@ pub struct Cpu {
     skins: Arc<Rooms<Vertices>>,
     rooms: Arc<Rooms<Room>>,
     tile_rooms: Arc<Rooms<TileRoom>>,
-    pixels: Arc<SparePixels>,
+    pixels: Arc<Spare<u8>>,
+    numbers: Arc<Spare<f32>>,
 }
 
 impl Default for Cpu {
@@ -63,6 +64,7 @@ impl Cpu {
             rooms: Arc::default(),
             tile_rooms: Arc::default(),
             pixels: Arc::default(),
+            numbers: Arc::default(),
         }
     }
 
@@ -112,8 +114,8 @@ impl Cpu {
         query: &VertexQuery,
         spread: Spread<'_>,
     ) -> SkinnedVertices {
-        let mut positions = vec![0.0f32; 3 * query.count];
-        let mut normals = query.normals.then(|| vec![0.0; 3 * query.count]);
+        let mut positions = self.numbers.take(3 * query.count);
+        let mut normals = query.normals.then(|| self.numbers.take(3 * query.count));
         self.skin_range(
             &SkinJob::new(instance, &instance.rig().meshes()[query.mesh]),
             query.start,

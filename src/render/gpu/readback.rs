@@ -136,7 +136,7 @@ impl Form {
                         let (taken, left) = rest.split_at(12 * count);
                         rest = left;
                         // The mapped memory need not be aligned for floats.
-                        bytemuck::pod_collect_to_vec::<u8, f32>(taken)
+                        bytemuck::pod_collect_to_vec::<u8, f32>(taken).into()
                     })
                 };
                 let vertices = queries.iter().map(|query| SkinnedVertices {
