@@ -82,7 +82,7 @@ fn mixed_plans(rig: &LoadedRig) -> Vec<Plan> {
         |index: usize, side: u32, samples: Samples, skeleton: ShowSkeleton, opacity: f64| {
             let size = Size::new(side, side + 1, &limits).expect("a small size");
             let orbit = Orbit {
-                azimuth: index as f64,
+                azimuth: Some(index as f64),
                 ..Orbit::default()
             };
             let show = Show::new(ShowSkin::Posed, skeleton, ShowNormals::Smooth, opacity);
