@@ -77,13 +77,13 @@ mod tests {
 
     /// Three triangles, a mesh each.
     fn posed() -> Arc<Posed> {
-        let mesh = MeshDraft {
+        let mesh = |_| MeshDraft {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
             triangles: vec![[0, 1, 2]],
             ..MeshDraft::default()
         };
         let draft = Draft {
-            meshes: vec![mesh; 3],
+            meshes: (0..3).map(mesh).collect(),
             ..Draft::default()
         };
         let rig = Arc::new(draft.build(&Limits::default()).unwrap());
@@ -107,10 +107,7 @@ mod tests {
             ambient: Scene::DEFAULT_AMBIENT,
             surface: Surface::default(),
             background: Background::default(),
-            show: Show {
-                skin,
-                ..Show::default()
-            },
+            show: Show::new(skin, Default::default(), Default::default(), 1.0).unwrap(),
             cull: Cull::Auto,
         };
         Plan::picture(Arc::clone(posed), Skinning::Linear, scene, 1.0)
