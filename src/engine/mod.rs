@@ -23,6 +23,7 @@ use crate::scene::{BoneRadius, Ray, Scene, Shape, VertexQuery};
 use pool::Pool;
 use std::num::NonZeroUsize;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 use store::Store;
 use worker::{Job, Worker};
 
@@ -140,6 +141,11 @@ impl Engine {
     /// Device memory in use.
     pub fn gpu_bytes(&self) -> u64 {
         self.worker.gpu_bytes()
+    }
+
+    /// For how long the graphics device was at work since the start, by its own clock; zero where it has none.
+    pub fn gpu_busy(&self) -> Duration {
+        self.worker.gpu_busy()
     }
 
     /// Reads files and keeps the rig under `name`, or under the first file's stem.

@@ -1,17 +1,18 @@
-//! The one thread that owns the device. It takes what waits, keeps a few plans in flight, and hands results to the pool.
+//! The one thread that owns the device. It takes what waits, from every connection, as one submission, keeps a few of them in flight, and
+//! hands results to the pool.
 
-use super::job::{Job, Reply, Timings, Urgency};
+use super::job::{Job, Reply, Timings};
 use crate::engine::pool::Pool;
 use crate::engine::{EngineError, RendererChoice};
-use crate::render::gpu::{Gpu, InFlight};
-use crate::render::{AdapterError, Outputs, RenderError};
+use crate::render::gpu::{Finished, Gpu, InFlight};
+use crate::render::{AdapterError, Outputs, Plan, RenderError};
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 pub(super) enum Message {
     Job(Box<Job>),
@@ -24,21 +25,31 @@ pub(super) enum Message {
 pub(super) struct GpuWorker {
     messages: Option<Sender<Message>>,
     thread: Option<JoinHandle<()>>,
-    gpu_bytes: Arc<AtomicU64>,
+    gauges: Arc<Gauges>,
+}
+
+/// What the thread tells of itself.
+#[derive(Default)]
+struct Gauges {
+    bytes: AtomicU64,
+    busy_nanos: AtomicU64,
 }
 
 impl GpuWorker {
     pub fn start(gpu: Gpu, choice: RendererChoice, pool: Arc<Pool>) -> Result<Self, AdapterError> {
         let adapter = gpu.adapter().to_string();
         let (messages, inbox) = channel();
-        let gpu_bytes = Arc::new(AtomicU64::new(gpu.memory_bytes()));
+        let gauges = Arc::new(Gauges::default());
+        gauges.bytes.store(gpu.memory_bytes(), Ordering::Relaxed);
         let thread = Thread {
             gpu: Some(gpu),
             choice,
             pool,
             inbox,
+            waiting: VecDeque::new(),
+            to_be_alone: VecDeque::new(),
             in_flight: VecDeque::new(),
-            gpu_bytes: Arc::clone(&gpu_bytes),
+            gauges: Arc::clone(&gauges),
         };
         let spawned = std::thread::Builder::new()
             .name("renderer".to_owned())
@@ -50,12 +61,16 @@ impl GpuWorker {
         Ok(Self {
             messages: Some(messages),
             thread: Some(thread),
-            gpu_bytes,
+            gauges,
         })
     }
 
     pub fn gpu_bytes(&self) -> u64 {
-        self.gpu_bytes.load(Ordering::Relaxed)
+        self.gauges.bytes.load(Ordering::Relaxed)
+    }
+
+    pub fn gpu_busy(&self) -> Duration {
+        Duration::from_nanos(self.gauges.busy_nanos.load(Ordering::Relaxed))
     }
 
     pub fn send(&self, message: Message) {
@@ -76,13 +91,11 @@ impl Drop for GpuWorker {
     }
 }
 
-/// Work that the device has.
+/// Work that the device has: one submission.
 struct Started {
     in_flight: InFlight,
-    urgency: Urgency,
-    taken: Instant,
+    jobs: Vec<Job>,
     started: Instant,
-    reply: Reply,
 }
 
 struct Thread {
@@ -91,94 +104,158 @@ struct Thread {
     choice: RendererChoice,
     pool: Arc<Pool>,
     inbox: Receiver<Message>,
+    /// Jobs that nobody has looked at.
+    waiting: VecDeque<Job>,
+    /// Jobs of a submission that failed, by the fault of one of them: each is tried once more, by itself.
+    to_be_alone: VecDeque<Job>,
     in_flight: VecDeque<Started>,
-    gpu_bytes: Arc<AtomicU64>,
+    gauges: Arc<Gauges>,
 }
 
-/// Plans on the device at a time: one is drawn while one is read back.
+/// Submissions on the device at a time: one is drawn while one is read back.
 const DEPTH: usize = 2;
+
+/// How long a job that comes while the device is at work waits at the most until it is submitted as well.
+const SLICE: Duration = Duration::from_millis(1);
 
 impl Thread {
     fn run(mut self) {
-        loop {
-            let message = if self.in_flight.is_empty() {
-                // Nothing to do but wait.
-                match self.inbox.recv() {
-                    Ok(message) => Some(message),
-                    Err(_) => return,
-                }
-            } else if self.in_flight.len() < DEPTH {
-                self.inbox.try_recv().ok()
+        while self.receive() {
+            if self.in_flight.len() < DEPTH && self.has_jobs() {
+                self.start();
             } else {
-                None
-            };
-            match message {
-                Some(Message::Job(job)) => self.start(*job),
-                Some(Message::Sweep) => self.gpu.iter_mut().for_each(Gpu::sweep),
-                Some(Message::LoseDevice) => self.gpu.iter().for_each(Gpu::lose_device),
-                None => self.finish_oldest(),
+                self.finish_oldest();
             }
             let bytes = self.gpu.as_ref().map_or(0, Gpu::memory_bytes);
-            self.gpu_bytes.store(bytes, Ordering::Relaxed);
+            self.gauges.bytes.store(bytes, Ordering::Relaxed);
         }
     }
 
-    fn start(&mut self, job: Job) {
-        let Job {
-            plan,
-            urgency,
-            taken,
-            reply,
-        } = job;
-        if let Err(error) = urgency.check() {
-            return self.answer(reply, Err(error));
+    fn has_jobs(&self) -> bool {
+        !self.waiting.is_empty() || !self.to_be_alone.is_empty()
+    }
+
+    /// Takes in what has come; where there is nothing to do, waits for it. Returns whether there is anything left to do, ever.
+    fn receive(&mut self) -> bool {
+        if self.in_flight.is_empty() && !self.has_jobs() {
+            match self.inbox.recv() {
+                Ok(message) => self.take(message),
+                Err(_) => return false,
+            }
+        }
+        while let Ok(message) = self.inbox.try_recv() {
+            self.take(message);
+        }
+        true
+    }
+
+    fn take(&mut self, message: Message) {
+        match message {
+            Message::Job(job) => self.waiting.push_back(*job),
+            Message::Sweep => self.gpu.iter_mut().for_each(Gpu::sweep),
+            Message::LoseDevice => self.gpu.iter().for_each(Gpu::lose_device),
+        }
+    }
+
+    /// Submits as much of what waits as may go together.
+    fn start(&mut self) {
+        let is_alone = !self.to_be_alone.is_empty();
+        let queue = if is_alone {
+            std::mem::take(&mut self.to_be_alone)
+        } else {
+            std::mem::take(&mut self.waiting)
+        };
+        let mut queue = self.still_wanted(queue);
+        let plans: Vec<&Plan> = queue.iter().map(|job| &job.plan).collect();
+        if plans.is_empty() {
+            return;
         }
         let started = Instant::now();
-        match self.guarded(|gpu| gpu.submit(&plan)) {
+        let mut count = 1;
+        let submitted = self.guarded(|gpu| {
+            if !is_alone {
+                count = gpu.fitting(&plans);
+            }
+            gpu.submit(&plans[..count])
+        });
+        let jobs: Vec<Job> = queue.drain(..count).collect();
+        if is_alone {
+            self.to_be_alone = queue;
+        } else {
+            self.waiting = queue;
+        }
+        match submitted {
             Ok(in_flight) => self.in_flight.push_back(Started {
                 in_flight,
-                urgency,
-                taken,
+                jobs,
                 started,
-                reply,
             }),
-            Err(error) => self.fail(reply, error),
+            Err(error) => self.fail(jobs, error),
         }
     }
 
+    /// Answers those that are not.
+    fn still_wanted(&self, jobs: VecDeque<Job>) -> VecDeque<Job> {
+        let wanted = |job: Job| match job.urgency.check() {
+            Ok(()) => Some(job),
+            Err(error) => {
+                self.answer(job.reply, Err(error));
+                None
+            }
+        };
+        jobs.into_iter().filter_map(wanted).collect()
+    }
+
+    /// Answers the jobs of the oldest submission if it is done within a slice.
     fn finish_oldest(&mut self) {
-        let Some(oldest) = self.in_flight.pop_front() else {
+        let Some(mut oldest) = self.in_flight.pop_front() else {
             return;
         };
+        match self.guarded(|gpu| gpu.wait(&mut oldest.in_flight, SLICE)) {
+            Ok(true) => {}
+            Ok(false) => return self.in_flight.push_front(oldest),
+            Err(error) => return self.fail(oldest.jobs, error),
+        }
         let Started {
             in_flight,
-            urgency,
-            taken,
+            jobs,
             started,
-            reply,
         } = oldest;
-        match self.guarded(|gpu| gpu.finish(in_flight)) {
-            Ok(outputs) => {
-                let timings = Timings::of(taken, started);
-                self.answer(reply, urgency.check().map(|()| (outputs, timings)));
-            }
-            Err(error) => self.fail(reply, error),
+        let Finished {
+            outputs,
+            device_time,
+        } = match self.guarded(|gpu| gpu.finish(in_flight)) {
+            Ok(finished) => finished,
+            Err(error) => return self.fail(jobs, error),
+        };
+        let busy_nanos = device_time.unwrap_or_default().as_nanos() as u64;
+        self.gauges
+            .busy_nanos
+            .fetch_add(busy_nanos, Ordering::Relaxed);
+        for (job, outputs) in jobs.into_iter().zip(outputs) {
+            let timings = Timings::of(job.taken, started);
+            let result = job.urgency.check().map(|()| (outputs, timings));
+            self.answer(job.reply, result);
         }
     }
 
-    /// Answers a job that failed. A lost device takes everything in flight with it, and is opened anew for the next.
-    fn fail(&mut self, reply: Reply, error: RenderError) {
-        if let RenderError::DeviceLost { .. } = error {
-            eprintln!(
-                "rigd: {error}; {} more requests were on it",
-                self.in_flight.len()
-            );
-            self.gpu = None;
-            for Started { reply, .. } in std::mem::take(&mut self.in_flight) {
-                self.answer(reply, Err(error.clone().into()));
-            }
+    /// A lost device takes everything in flight with it, and is opened anew for the next job. Any other error is that of one job: where
+    /// several shared the submission, each is tried again by itself.
+    fn fail(&mut self, jobs: Vec<Job>, error: RenderError) {
+        let is_lost = matches!(error, RenderError::DeviceLost { .. });
+        if jobs.len() > 1 && !is_lost {
+            return self.to_be_alone.extend(jobs);
         }
-        self.answer(reply, Err(error.into()));
+        let mut failed = jobs;
+        if is_lost {
+            self.gpu = None;
+            let in_flight = std::mem::take(&mut self.in_flight);
+            failed.extend(in_flight.into_iter().flat_map(|started| started.jobs));
+            eprintln!("rigd: {error}; {} requests were on it", failed.len());
+        }
+        for job in failed {
+            self.answer(job.reply, Err(error.clone().into()));
+        }
     }
 
     fn answer(&self, reply: Reply, result: Result<(Outputs, Timings), EngineError>) {

@@ -14,6 +14,7 @@ use crate::render::{AdapterError, AdapterInfo, Capabilities, Renderer};
 use cpu::CpuWorker;
 use gpu::{GpuWorker, Message};
 use std::sync::Arc;
+use std::time::Duration;
 
 pub(super) struct Worker {
     of: Kind,
@@ -62,6 +63,14 @@ impl Worker {
         match &self.of {
             Kind::Gpu(worker) => worker.gpu_bytes(),
             Kind::Cpu(_) => 0,
+        }
+    }
+
+    /// For how long the graphics device was at work, as far as it can tell.
+    pub fn gpu_busy(&self) -> Duration {
+        match &self.of {
+            Kind::Gpu(worker) => worker.gpu_busy(),
+            Kind::Cpu(_) => Duration::ZERO,
         }
     }
 

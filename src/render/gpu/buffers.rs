@@ -11,8 +11,8 @@ pub(super) struct Growing {
 }
 
 impl Growing {
-    /// Room for small rigs, so that the first frames need no second allocation.
-    const FIRST_BYTES: u64 = 1 << 16;
+    /// Room for a handful of small rigs, so that the first pictures need no second allocation.
+    const FIRST_BYTES: u64 = 1 << 18;
 
     pub fn new(device: &Device, label: &'static str, usage: BufferUsages) -> Self {
         let usage = usage | BufferUsages::COPY_DST;
@@ -33,6 +33,14 @@ impl Growing {
         grows
     }
 
+    /// Puts `contents` at the start. Returns whether the buffer was replaced, as [`Growing::reserve`] does.
+    pub fn write<T: bytemuck::NoUninit>(&mut self, device: &Device, contents: &[T]) -> bool {
+        let bytes: &[u8] = bytemuck::cast_slice(contents);
+        let grew = self.reserve(device, bytes.len() as u64);
+        device.queue.write_buffer(&self.buffer, 0, bytes);
+        grew
+    }
+
     pub fn buffer(&self) -> &Buffer {
         &self.buffer
     }
@@ -47,6 +55,10 @@ pub(super) struct Readbacks {
 impl Readbacks {
     /// As many as can be in flight, and one to spare.
     const KEPT: usize = 4;
+    /// What they may take together; a single one may take more.
+    const MOST_BYTES: u64 = 256 << 20;
+    /// Room for a submission of small pictures, so that one buffer is as good as another.
+    const FIRST_BYTES: u64 = 1 << 20;
 
     pub fn lend(&mut self, device: &Device, bytes: u64) -> Buffer {
         let fits = |buffer: &&(usize, &Buffer)| buffer.1.size() >= bytes;
@@ -57,26 +69,28 @@ impl Readbacks {
             .filter(|b| fits(&b))
             .min_by_key(|(_, buffer)| buffer.size());
         match smallest.map(|(index, _)| index) {
-            Some(index) => self.free.swap_remove(index),
+            Some(index) => self.free.remove(index),
             None => {
                 let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
-                create(device, "readback.mapped", usage, bytes.next_power_of_two())
+                let roomy = bytes.next_power_of_two().min(device.buffer_bytes);
+                let roomy = roomy.max(bytes).max(Self::FIRST_BYTES);
+                create(device, "readback.mapped", usage, roomy)
             }
         }
     }
 
-    /// Takes an unmapped buffer back; past what is kept, the smallest goes.
+    /// Takes an unmapped buffer back. Of too many the smallest goes, as the others can stand in for it; of too large ones the one that was
+    /// not wanted for the longest time.
     pub fn give_back(&mut self, buffer: Buffer) {
         self.free.push(buffer);
         if self.free.len() > Self::KEPT {
-            let smallest = self
-                .free
-                .iter()
-                .enumerate()
-                .min_by_key(|(_, buffer)| buffer.size());
-            if let Some(index) = smallest.map(|(index, _)| index) {
-                self.free.swap_remove(index);
+            let sizes = self.free.iter().map(Buffer::size).enumerate();
+            if let Some((smallest, _)) = sizes.min_by_key(|(_, size)| *size) {
+                self.free.remove(smallest);
             }
+        }
+        while self.free.len() > 1 && self.bytes() > Self::MOST_BYTES {
+            self.free.remove(0);
         }
     }
 

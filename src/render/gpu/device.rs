@@ -23,7 +23,7 @@ struct Faults {
     complaint: Option<RenderError>,
 }
 
-/// A device that has not finished a picture after this long never will.
+/// A device that has not finished a submission after this long never will.
 const HANG: Duration = Duration::from_secs(60);
 
 impl Device {
@@ -33,6 +33,7 @@ impl Device {
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("device"),
             required_limits: adapter.limits(),
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
             ..wgpu::DeviceDescriptor::default()
         };
         let (device, queue) = block_on(adapter.request_device(&descriptor)).map_err(|error| {
@@ -89,26 +90,36 @@ impl Device {
         faults.complaint.take().map_or(Ok(()), Err)
     }
 
-    /// Blocks until the device has finished `submission` and every callback that it owes has run.
-    pub fn wait(&self, submission: &wgpu::SubmissionIndex) -> Result<(), RenderError> {
-        let started = Instant::now();
-        loop {
-            // In slices, because a lost device may never report the submission.
-            let slice = wgpu::PollType::Wait {
-                submission_index: Some(submission.clone()),
-                timeout: Some(Duration::from_millis(500)),
-            };
-            let polled = self.device.poll(slice);
-            self.check()?;
-            match polled {
-                Ok(_) => return Ok(()),
-                Err(wgpu::PollError::Timeout) if started.elapsed() < HANG => {}
-                Err(error) => {
-                    return Err(RenderError::DeviceLost {
-                        reason: error.to_string(),
-                    });
-                }
-            }
+    /// Forgets complaints about earlier work, whose own call has failed.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn forgive(&self) -> Result<(), RenderError> {
+        match self.check() {
+            Err(lost @ RenderError::DeviceLost { .. }) => Err(lost),
+            _ => Ok(()),
+        }
+    }
+
+    /// Blocks until the device has finished `submission` and every callback that it owes has run, or until `slice` is over. Returns whether
+    /// it is finished; `since` is when it was first waited for.
+    pub fn wait(
+        &self,
+        submission: &wgpu::SubmissionIndex,
+        slice: Duration,
+        since: Instant,
+    ) -> Result<bool, RenderError> {
+        let polled = self.device.poll(wgpu::PollType::Wait {
+            submission_index: Some(submission.clone()),
+            timeout: Some(slice),
+        });
+        self.check()?;
+        match polled {
+            Ok(_) => Ok(true),
+            Err(wgpu::PollError::Timeout) if since.elapsed() < HANG => Ok(false),
+            Err(error) => Err(RenderError::DeviceLost {
+                reason: error.to_string(),
+            }),
         }
     }
 }

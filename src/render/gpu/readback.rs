@@ -1,18 +1,22 @@
-//! From the device to memory: one mapped buffer a submission, holding just what was asked for, tightly packed.
+//! From the device to memory: one mapped buffer a submission, holding just what was asked for, tightly packed, plan after plan.
 
 use super::buffers::Readbacks;
+use super::clock::Clock;
 use super::device::Device;
 use super::skin::SkinnedMesh;
 use crate::frame::{Frame, SkinnedVertices};
-use crate::render::{Outputs, RenderError};
+use crate::render::{Outputs, Plan, RenderError, Wanted};
 use crate::scene::{Size, VertexQuery};
 use std::sync::mpsc;
+use std::time::{Duration, Instant};
 
-/// Bytes to copy out.
-pub(super) struct Region<'a> {
-    pub source: &'a wgpu::Buffer,
-    pub start: u64,
-    pub bytes: u64,
+/// What a submission came to.
+#[derive(Debug)]
+pub struct Finished {
+    /// One for each plan, in their order.
+    pub outputs: Vec<Outputs>,
+    /// How long the device worked on it; `None` where it cannot tell.
+    pub device_time: Option<Duration>,
 }
 
 /// How to read what was copied.
@@ -27,78 +31,104 @@ pub struct InFlight {
     buffer: wgpu::Buffer,
     bytes: u64,
     mapped: mpsc::Receiver<Result<(), wgpu::BufferAsyncError>>,
-    form: Form,
+    forms: Vec<Form>,
+    /// Since when somebody does.
+    waited_for_since: Option<Instant>,
 }
 
-/// What to copy for `queries`: positions, then normals of each, as far as asked for.
-pub(super) fn regions<'a>(
-    queries: &[VertexQuery],
-    skinned: &[SkinnedMesh],
-    vertices: &'a wgpu::Buffer,
-) -> Vec<Region<'a>> {
-    let mut regions = Vec::new();
-    for query in queries {
-        // A mesh without vertices was not skinned; its query can only be of none.
-        let Some(place) = skinned.iter().find(|place| place.mesh == query.mesh) else {
-            continue;
-        };
-        let (first, bytes) = (12 * query.start as u64, 12 * query.count as u64);
-        let starts = [
-            (query.positions, place.positions_start),
-            (query.normals, place.normals_start),
-        ];
-        let wanted = starts
-            .into_iter()
-            .filter(|(is_wanted, _)| *is_wanted && bytes > 0);
-        regions.extend(wanted.map(|(_, start)| Region {
-            source: vertices,
-            start: start + first,
+/// A buffer to be mapped that copies are recorded into, one behind the other.
+pub(super) struct Copies {
+    buffer: wgpu::Buffer,
+    end: u64,
+}
+
+impl Copies {
+    /// With room for so many bytes.
+    pub fn new(device: &Device, readbacks: &mut Readbacks, bytes: u64) -> Self {
+        Self {
+            buffer: readbacks.lend(device, bytes),
+            end: 0,
+        }
+    }
+
+    pub fn copy(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        source: &wgpu::Buffer,
+        start: u64,
+        bytes: u64,
+    ) {
+        encoder.copy_buffer_to_buffer(source, start, &self.buffer, self.end, bytes);
+        self.end += bytes;
+    }
+
+    /// Copies for `queries`: positions, then normals of each, as far as asked for.
+    pub fn copy_vertices(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        queries: &[VertexQuery],
+        skinned: &[SkinnedMesh<'_>],
+        vertices: &wgpu::Buffer,
+    ) {
+        for query in queries {
+            // A mesh that was not skinned was asked for nothing.
+            let Some(place) = skinned.iter().find(|place| place.mesh.index == query.mesh) else {
+                continue;
+            };
+            let (first, bytes) = (12 * query.start as u64, 12 * query.count as u64);
+            let starts = [
+                (query.positions, place.positions_start),
+                (query.normals, place.normals_start),
+            ];
+            for (is_wanted, start) in starts {
+                if is_wanted && bytes > 0 {
+                    self.copy(encoder, vertices, start + first, bytes);
+                }
+            }
+        }
+    }
+
+    /// Submits, and asks for the result to be mapped.
+    pub fn submit(
+        self,
+        device: &Device,
+        encoder: wgpu::CommandEncoder,
+        forms: Vec<Form>,
+    ) -> InFlight {
+        let Self { buffer, end: bytes } = self;
+        let submission = device.queue.submit([encoder.finish()]);
+        let (sender, mapped) = mpsc::channel();
+        buffer
+            .slice(..bytes.max(wgpu::COPY_BUFFER_ALIGNMENT))
+            .map_async(wgpu::MapMode::Read, move |result| {
+                // Nobody may be waiting any more: then the result is of no interest.
+                let _ = sender.send(result);
+            });
+        InFlight {
+            submission,
+            buffer,
             bytes,
-        }));
-    }
-    regions
-}
-
-/// Records the copies, submits, and asks for the result to be mapped.
-pub(super) fn start(
-    device: &Device,
-    readbacks: &mut Readbacks,
-    mut encoder: wgpu::CommandEncoder,
-    regions: &[Region<'_>],
-    form: Form,
-) -> InFlight {
-    let bytes: u64 = regions.iter().map(|region| region.bytes).sum();
-    let buffer = readbacks.lend(device, bytes.max(wgpu::COPY_BUFFER_ALIGNMENT));
-    let mut end = 0;
-    for &Region {
-        source,
-        start,
-        bytes,
-    } in regions
-    {
-        encoder.copy_buffer_to_buffer(source, start, &buffer, end, bytes);
-        end += bytes;
-    }
-    let submission = device.queue.submit([encoder.finish()]);
-    let (sender, mapped) = mpsc::channel();
-    buffer
-        .slice(..bytes.max(wgpu::COPY_BUFFER_ALIGNMENT))
-        .map_async(wgpu::MapMode::Read, move |result| {
-            // Nobody may be waiting any more: then the result is of no interest.
-            let _ = sender.send(result);
-        });
-    InFlight {
-        submission,
-        buffer,
-        bytes,
-        mapped,
-        form,
+            mapped,
+            forms,
+            waited_for_since: None,
+        }
     }
 }
 
 impl InFlight {
-    pub(super) fn finish(self, device: &Device) -> Result<(Outputs, wgpu::Buffer), RenderError> {
-        device.wait(&self.submission)?;
+    /// Whether it is done, after so long at the most.
+    pub(super) fn wait(&mut self, device: &Device, slice: Duration) -> Result<bool, RenderError> {
+        let since = *self.waited_for_since.get_or_insert_with(Instant::now);
+        device.wait(&self.submission, slice, since)
+    }
+
+    pub(super) fn finish(
+        mut self,
+        device: &Device,
+        clock: Option<&Clock>,
+    ) -> Result<(Finished, wgpu::Buffer), RenderError> {
+        // In slices, because a lost device may never report the submission.
+        while !self.wait(device, Duration::from_millis(500))? {}
         let refused = |reason: &dyn std::fmt::Display| RenderError::Refused {
             reason: reason.to_string(),
         };
@@ -107,22 +137,56 @@ impl InFlight {
             Ok(Err(error)) => return Err(refused(&error)),
             Err(error) => return Err(refused(&error)),
         }
-        let outputs = if self.bytes == 0 {
-            self.form.read(&[])
+        let finished = if self.bytes == 0 {
+            read(&self.forms, clock, &[])
         } else {
             let view = self
                 .buffer
                 .slice(..self.bytes)
                 .get_mapped_range()
                 .map_err(|error| refused(&error))?;
-            self.form.read(&view)
+            read(&self.forms, clock, &view)
         };
         self.buffer.unmap();
-        Ok((outputs, self.buffer))
+        Ok((finished, self.buffer))
+    }
+}
+
+/// What plans came to, and behind it the times of the clock.
+fn read(forms: &[Form], clock: Option<&Clock>, bytes: &[u8]) -> Finished {
+    let mut rest = bytes;
+    let outputs = forms.iter().map(|form| {
+        let (taken, left) = rest.split_at(form.bytes() as usize);
+        rest = left;
+        form.read(taken)
+    });
+    let outputs = outputs.collect();
+    Finished {
+        outputs,
+        device_time: clock.map(|clock| clock.read(rest)),
     }
 }
 
 impl Form {
+    pub fn of(plan: &Plan) -> Self {
+        match &plan.wanted {
+            Wanted::Picture(picture) => Self::Picture(picture.scene.size),
+            Wanted::Vertices(queries) => Self::Vertices(queries.clone()),
+        }
+    }
+
+    pub fn bytes(&self) -> u64 {
+        match self {
+            Self::Picture(size) => 4 * size.pixels() as u64,
+            Self::Vertices(queries) => {
+                let attributes =
+                    |query: &VertexQuery| u64::from(query.positions) + u64::from(query.normals);
+                let bytes = |query: &VertexQuery| 12 * query.count as u64 * attributes(query);
+                queries.iter().map(bytes).sum()
+            }
+        }
+    }
+
     fn read(&self, bytes: &[u8]) -> Outputs {
         match self {
             Self::Picture(size) => Outputs::Picture(Frame {

@@ -2,73 +2,78 @@
 
 use super::buffers::Growing;
 use super::device::Device;
-use super::shaders;
+use super::pipelines::{Kind, Pipelines, Variant};
 use super::skin::SkinnedMesh;
-use super::solids::SolidBuffers;
-use super::targets::{COLOR_FORMAT, ColorTarget, DEPTH_FORMAT, Layers, Targets};
+use super::solids::{SolidBuffers, SolidPlace};
+use super::targets::{ColorTarget, Layers, TargetShape, Targets};
 use super::textures::TextureBinding;
-use super::upload::GpuRig;
-use crate::render::cull::{self, Side};
+use crate::render::cull;
 use crate::render::view::View;
-use crate::render::{Instance, Picture, Segment, SolidVertex};
-use crate::scene::Samples;
+use crate::render::{Instance, Picture, Segment};
 use glam::Vec4;
-use std::collections::HashMap;
 use std::ops::Range;
-use wgpu::{BufferUsages, CompareFunction, VertexStepMode};
+use wgpu::BufferUsages;
 
-/// What a pipeline draws.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-enum Kind {
-    Lines,
-    Solids,
-    Skin,
-    TexturedSkin,
-}
-
-/// What tells one pipeline from another.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-struct Variant {
-    kind: Kind,
-    samples: Samples,
-    culled: Option<Side>,
-}
-
-/// A translucent skin gets a layer of its own, so that only its nearest surface is laid over what stands behind it.
-pub(super) fn layers_of(picture: &Picture) -> Layers {
+/// What `picture` is drawn into. A translucent skin gets a layer of its own, so that only its nearest surface is laid over what stands
+/// behind it.
+pub(super) fn shape_of(picture: &Picture) -> TargetShape {
     let is_translucent = picture.skin_is_shown && picture.scene.show.skin_opacity() < 1.0;
-    if is_translucent {
-        Layers::Two
-    } else {
-        Layers::One
+    TargetShape {
+        size: picture.scene.size,
+        samples: picture.scene.samples,
+        layers: if is_translucent {
+            Layers::Two
+        } else {
+            Layers::One
+        },
     }
 }
 
 /// Of the two triangles that a line is drawn as.
-const LINE_CORNERS: u32 = 6;
+pub(super) const LINE_CORNERS: u32 = 6;
 
 pub(super) struct ShadeStage {
-    layout: wgpu::PipelineLayout,
-    textured_layout: wgpu::PipelineLayout,
-    skin_module: wgpu::ShaderModule,
-    line_module: wgpu::ShaderModule,
-    solid_module: wgpu::ShaderModule,
-    pipelines: HashMap<Variant, wgpu::RenderPipeline>,
-    view: wgpu::Buffer,
+    pipelines: Pipelines,
+    view_layout: wgpu::BindGroupLayout,
+    /// Those of all pictures of a submission, and so are lines and solids.
+    views: Growing,
     view_group: wgpu::BindGroup,
+    /// Bytes from one view to the next, as the device aligns them.
+    view_stride: usize,
     /// Each segment once for each of its six corners: a software driver takes instances one at a time.
     lines: Growing,
-    /// Reused from frame to frame.
-    corners: Vec<Segment>,
     solids: SolidBuffers,
+    /// Reused from submission to submission.
+    scratch: Scratch,
 }
 
-/// Skinned meshes, and the instances that they are of.
-pub(super) struct Drawn<'a> {
-    pub skinned: &'a [SkinnedMesh],
-    pub instances: &'a [Instance],
-    pub rigs: &'a [&'a GpuRig],
-    pub vertices: &'a wgpu::Buffer,
+#[derive(Default)]
+struct Scratch {
+    views: Vec<u8>,
+    corners: Vec<Segment>,
+}
+
+/// A picture and the skin in it.
+pub(super) struct Drawing<'a> {
+    pub picture: &'a Picture,
+    pub skin: Vec<(&'a Instance, &'a [SkinnedMesh<'a>])>,
+}
+
+/// A picture whose numbers are on the device.
+pub(super) struct Ready<'a> {
+    pub picture: &'a Picture,
+    view_offset: u32,
+    /// In bytes.
+    lines: Range<u64>,
+    solids: SolidPlace,
+    skin: Vec<Draw<'a>>,
+}
+
+/// Triangles of one mesh that are drawn alike.
+struct Draw<'a> {
+    variant: Variant,
+    place: &'a SkinnedMesh<'a>,
+    indices: Range<u32>,
 }
 
 impl ShadeStage {
@@ -81,149 +86,122 @@ impl ShadeStage {
                 visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
                 ty: wgpu::BindingType::Buffer {
                     ty: wgpu::BufferBindingType::Uniform,
-                    has_dynamic_offset: false,
+                    has_dynamic_offset: true,
                     min_binding_size: None,
                 },
                 count: None,
             }],
         });
-        let module = |label, source: &'static str| {
-            let source = wgpu::ShaderSource::Wgsl(source.into());
-            wgpu_device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(label),
-                source,
-            })
-        };
-        let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
-        let view = super::buffers::create(device, "shade.view", usage, size_of::<View>() as u64);
-        let view_group = wgpu_device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("shade.view"),
-            layout: &view_layout,
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: view.as_entire_binding(),
-            }],
-        });
-        let layout = |groups: &[Option<&wgpu::BindGroupLayout>]| {
-            wgpu_device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some("shade.pipeline_layout"),
-                bind_group_layouts: groups,
-                immediate_size: 0,
-            })
-        };
+        let views = Growing::new(device, "shade.views", BufferUsages::UNIFORM);
+        let alignment = wgpu_device.limits().min_uniform_buffer_offset_alignment as usize;
         Self {
-            layout: layout(&[Some(&view_layout)]),
-            textured_layout: layout(&[Some(&view_layout), Some(&textures.layout)]),
-            skin_module: module("shade.skin", shaders::SHADE),
-            line_module: module("shade.lines", shaders::LINES),
-            solid_module: module("shade.solids", shaders::SOLIDS),
-            pipelines: HashMap::new(),
-            view,
-            view_group,
+            pipelines: Pipelines::new(device, &view_layout, textures),
+            view_group: bind(device, &view_layout, &views),
+            view_layout,
+            views,
+            view_stride: size_of::<View>().next_multiple_of(alignment),
             lines: Growing::new(device, "shade.lines", BufferUsages::VERTEX),
-            corners: Vec::new(),
             solids: SolidBuffers::new(device),
+            scratch: Scratch::default(),
         }
     }
 
     pub fn bytes(&self) -> u64 {
-        self.view.size() + self.lines.buffer().size() + self.solids.bytes()
+        self.views.buffer().size() + self.lines.buffer().size() + self.solids.bytes()
     }
 
-    /// Records the passes that draw `picture` into `targets`.
+    /// Writes what the passes of all pictures of a submission read, and makes the pipelines that were not needed before.
+    pub fn prepare<'a>(&mut self, device: &Device, drawings: &[Drawing<'a>]) -> Vec<Ready<'a>> {
+        if drawings.is_empty() {
+            return Vec::new();
+        }
+        let Scratch { views, corners } = &mut self.scratch;
+        views.clear();
+        corners.clear();
+        let pictures = drawings.iter().map(|drawing| drawing.picture);
+        let solids = pictures.map(|picture| &picture.skeleton.solids);
+        let solids = self.solids.write(device, solids);
+        let ready = drawings.iter().zip(solids).map(|(drawing, solids)| {
+            let Drawing { picture, skin } = drawing;
+            let view_offset = views.len() as u32;
+            views.extend_from_slice(bytemuck::bytes_of(&View::of(picture)));
+            views.resize(view_offset as usize + self.view_stride, 0);
+            let lines_start = size_of_val(corners.as_slice()) as u64;
+            let segments = picture.skeleton.lines.iter();
+            corners.extend(segments.flat_map(|segment| [*segment; LINE_CORNERS as usize]));
+            let draws = skin.iter().flat_map(|(instance, meshes)| {
+                let draws = |place| draws(instance, place, picture);
+                meshes.iter().flat_map(draws)
+            });
+            Ready {
+                picture,
+                view_offset,
+                lines: lines_start..size_of_val(corners.as_slice()) as u64,
+                solids,
+                skin: draws.collect(),
+            }
+        });
+        let ready: Vec<_> = ready.collect();
+        if self.views.write(device, views) {
+            self.view_group = bind(device, &self.view_layout, &self.views);
+        }
+        self.lines.write(device, corners);
+        for ready in &ready {
+            for variant in ready.variants() {
+                self.pipelines.prepare(device, variant);
+            }
+        }
+        ready
+    }
+
+    /// Records the passes that draw `ready` into `targets`; `vertices` are the skinned ones.
     pub fn encode(
-        &mut self,
-        device: &Device,
+        &self,
         encoder: &mut wgpu::CommandEncoder,
-        picture: &Picture,
+        ready: &Ready<'_>,
         targets: &Targets,
-        drawn: &Drawn<'_>,
+        vertices: &wgpu::Buffer,
     ) {
-        self.prepare(device, picture, drawn);
-        let background = picture.scene.background.premultiplied();
+        let background = ready.picture.scene.background.premultiplied();
         let mut pass = begin(encoder, &targets.color, Some(background), targets);
-        self.draw_skeleton(&mut pass, picture);
+        self.draw_skeleton(&mut pass, ready);
         let Some(skin_color) = &targets.skin_color else {
-            return self.draw_skin(&mut pass, picture, drawn);
+            return self.draw_skin(&mut pass, ready, vertices);
         };
         drop(pass);
         // With the depth of the skeleton, so that skin behind it stays behind it.
         let mut pass = begin(encoder, skin_color, None, targets);
-        self.draw_skin(&mut pass, picture, drawn);
+        self.draw_skin(&mut pass, ready, vertices);
     }
 
-    /// Writes what the passes read, and makes the pipelines that were not needed before.
-    fn prepare(&mut self, device: &Device, picture: &Picture, drawn: &Drawn<'_>) {
-        let samples = picture.scene.samples;
-        self.corners.clear();
-        let segments = picture.skeleton.lines.iter();
-        self.corners
-            .extend(segments.flat_map(|segment| [*segment; LINE_CORNERS as usize]));
-        let lines: &[u8] = bytemuck::cast_slice(&self.corners);
-        self.lines.reserve(device, lines.len() as u64);
-        device.queue.write_buffer(self.lines.buffer(), 0, lines);
-        self.solids.write(device, &picture.skeleton.solids);
-        device
-            .queue
-            .write_buffer(&self.view, 0, bytemuck::bytes_of(&View::of(picture)));
-        let of_skeleton = [
-            (Kind::Lines, !lines.is_empty()),
-            (Kind::Solids, !picture.skeleton.solids.is_empty()),
-        ];
-        let of_skeleton = of_skeleton.into_iter().filter(|(_, is_drawn)| *is_drawn);
-        let mut variants: Vec<_> = of_skeleton
-            .map(|(kind, _)| Variant {
-                kind,
-                samples,
-                culled: None,
-            })
-            .collect();
-        if picture.skin_is_shown {
-            let skinned = drawn.skinned.iter();
-            let parts = skinned.flat_map(|place| drawn.parts(place, picture));
-            variants.extend(parts.map(|(variant, _)| variant));
-        }
-        for variant in variants {
-            if !self.pipelines.contains_key(&variant) {
-                let pipeline = self.pipeline(device, variant);
-                self.pipelines.insert(variant, pipeline);
+    fn draw_skeleton(&self, pass: &mut wgpu::RenderPass<'_>, ready: &Ready<'_>) {
+        pass.set_bind_group(0, &self.view_group, &[ready.view_offset]);
+        for variant in ready.of_skeleton() {
+            pass.set_pipeline(self.pipelines.get(variant));
+            if variant.kind == Kind::Solids {
+                self.solids.draw(pass, &ready.solids);
+            } else {
+                let count = LINE_CORNERS * ready.picture.skeleton.lines.len() as u32;
+                pass.set_vertex_buffer(0, self.lines.buffer().slice(ready.lines.clone()));
+                pass.draw(0..count, 0..1);
             }
         }
     }
 
-    fn draw_skeleton(&self, pass: &mut wgpu::RenderPass<'_>, picture: &Picture) {
-        let (lines, solids) = (&picture.skeleton.lines, &picture.skeleton.solids);
-        let pipeline = |kind| {
-            let samples = picture.scene.samples;
-            &self.pipelines[&Variant {
-                kind,
-                samples,
-                culled: None,
-            }]
-        };
-        pass.set_bind_group(0, &self.view_group, &[]);
-        if !lines.is_empty() {
-            pass.set_pipeline(pipeline(Kind::Lines));
-            pass.set_vertex_buffer(0, self.lines.buffer().slice(..));
-            pass.draw(0..LINE_CORNERS * lines.len() as u32, 0..1);
-        }
-        if !solids.is_empty() {
-            pass.set_pipeline(pipeline(Kind::Solids));
-            self.solids.draw(pass, solids);
-        }
-    }
-
-    fn draw_skin(&self, pass: &mut wgpu::RenderPass<'_>, picture: &Picture, drawn: &Drawn<'_>) {
-        if !picture.skin_is_shown {
-            return;
-        }
-        pass.set_bind_group(0, &self.view_group, &[]);
-        let vertices = drawn.vertices;
-        for place in drawn.skinned {
-            let mesh = &drawn.rigs[place.instance].meshes[place.uploaded];
-            if mesh.index_count == 0 {
-                continue;
-            }
+    fn draw_skin(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        ready: &Ready<'_>,
+        vertices: &wgpu::Buffer,
+    ) {
+        pass.set_bind_group(0, &self.view_group, &[ready.view_offset]);
+        for Draw {
+            variant,
+            place,
+            indices,
+        } in &ready.skin
+        {
+            let mesh = place.mesh;
             if let Some(texturing) = &mesh.texturing {
                 pass.set_bind_group(1, &texturing.bind_group, &[]);
                 pass.set_vertex_buffer(2, texturing.texcoords.slice(..));
@@ -231,131 +209,78 @@ impl ShadeStage {
             pass.set_vertex_buffer(0, vertices.slice(place.positions_start..));
             pass.set_vertex_buffer(1, vertices.slice(place.normals_start..));
             pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
-            for (variant, indices) in drawn.parts(place, picture) {
-                pass.set_pipeline(&self.pipelines[&variant]);
-                pass.draw_indexed(indices, 0, 0..1);
-            }
+            pass.set_pipeline(self.pipelines.get(*variant));
+            pass.draw_indexed(indices.clone(), 0, 0..1);
         }
-    }
-
-    fn pipeline(&self, device: &Device, variant: Variant) -> wgpu::RenderPipeline {
-        let Variant {
-            kind,
-            samples,
-            culled,
-        } = variant;
-        let positions = wgpu::vertex_attr_array![0 => Float32x3];
-        let normals = wgpu::vertex_attr_array![1 => Float32x3];
-        let texcoords = wgpu::vertex_attr_array![2 => Float32x2];
-        let segment =
-            wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Float32x3];
-        let solid = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3];
-        let per_vertex = |array_stride: usize, attributes| {
-            Some(wgpu::VertexBufferLayout {
-                array_stride: array_stride as u64,
-                step_mode: VertexStepMode::Vertex,
-                attributes,
-            })
-        };
-        let (layout, module, stem, buffers) = match kind {
-            Kind::Lines => (
-                &self.layout,
-                &self.line_module,
-                "line",
-                vec![per_vertex(size_of::<Segment>(), &segment[..])],
-            ),
-            Kind::Solids => (
-                &self.layout,
-                &self.solid_module,
-                "solid",
-                vec![per_vertex(size_of::<SolidVertex>(), &solid[..])],
-            ),
-            Kind::Skin => (
-                &self.layout,
-                &self.skin_module,
-                "plain",
-                vec![per_vertex(12, &positions[..]), per_vertex(12, &normals[..])],
-            ),
-            Kind::TexturedSkin => (
-                &self.textured_layout,
-                &self.skin_module,
-                "textured",
-                vec![
-                    per_vertex(12, &positions[..]),
-                    per_vertex(12, &normals[..]),
-                    per_vertex(8, &texcoords[..]),
-                ],
-            ),
-        };
-        let (vertex, fragment) = (format!("{stem}_vertex"), format!("{stem}_fragment"));
-        device
-            .device
-            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some("shade.pipeline"),
-                layout: Some(layout),
-                vertex: wgpu::VertexState {
-                    module,
-                    entry_point: Some(&vertex),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: &buffers,
-                },
-                // Winding decides which side is seen, and only of closed surfaces whether it is: sample files disagree about it.
-                primitive: wgpu::PrimitiveState {
-                    cull_mode: culled.map(|side| match side {
-                        Side::Front => wgpu::Face::Front,
-                        Side::Back => wgpu::Face::Back,
-                    }),
-                    ..wgpu::PrimitiveState::default()
-                },
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: DEPTH_FORMAT,
-                    depth_write_enabled: Some(true),
-                    depth_compare: Some(CompareFunction::Greater),
-                    stencil: wgpu::StencilState::default(),
-                    bias: wgpu::DepthBiasState::default(),
-                }),
-                multisample: wgpu::MultisampleState {
-                    count: samples.count(),
-                    ..wgpu::MultisampleState::default()
-                },
-                fragment: Some(wgpu::FragmentState {
-                    module,
-                    entry_point: Some(&fragment),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &[Some(COLOR_FORMAT.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
     }
 }
 
-impl Drawn<'_> {
-    /// What one mesh of the skin is drawn with, and which of its indices.
-    fn parts(
-        &self,
-        place: &SkinnedMesh,
-        picture: &Picture,
-    ) -> impl Iterator<Item = (Variant, Range<u32>)> + use<> {
-        let instance = &self.instances[place.instance];
-        let mesh = &instance.rig().meshes()[place.mesh];
-        let uploaded = &self.rigs[place.instance].meshes[place.uploaded];
-        let kind = match uploaded.texturing {
-            Some(_) => Kind::TexturedSkin,
-            None => Kind::Skin,
-        };
-        let samples = picture.scene.samples;
-        let reach = cull::reach(instance, mesh);
-        cull::parts(instance, mesh, &picture.scene, reach).map(move |part| {
-            let variant = Variant {
-                kind,
-                samples,
-                culled: part.culled,
-            };
-            let Range { start, end } = part.triangles;
-            (variant, 3 * start as u32..3 * end as u32)
+impl Ready<'_> {
+    fn variants(&self) -> impl Iterator<Item = Variant> {
+        let of_skin = self.skin.iter().map(|draw| draw.variant);
+        self.of_skeleton().chain(of_skin)
+    }
+
+    /// What the skeleton is drawn with, in this order.
+    fn of_skeleton(&self) -> impl Iterator<Item = Variant> + use<> {
+        let skeleton = &self.picture.skeleton;
+        let samples = self.picture.scene.samples;
+        let kinds = [
+            (Kind::Lines, !skeleton.lines.is_empty()),
+            (Kind::Solids, !skeleton.solids.is_empty()),
+        ];
+        let drawn = kinds.into_iter().filter(|(_, is_drawn)| *is_drawn);
+        drawn.map(move |(kind, _)| Variant {
+            kind,
+            samples,
+            culled: None,
         })
     }
+}
+
+/// What one mesh of the skin is drawn with, and which of its indices.
+fn draws<'a>(
+    instance: &Instance,
+    place: &'a SkinnedMesh<'a>,
+    picture: &Picture,
+) -> impl Iterator<Item = Draw<'a>> + use<'a> {
+    let mesh = &instance.rig().meshes()[place.mesh.index];
+    let kind = match place.mesh.texturing {
+        Some(_) => Kind::TexturedSkin,
+        None => Kind::Skin,
+    };
+    let samples = picture.scene.samples;
+    let reach = cull::reach(instance, mesh);
+    cull::parts(instance, mesh, &picture.scene, reach).map(move |part| {
+        let variant = Variant {
+            kind,
+            samples,
+            culled: part.culled,
+        };
+        let Range { start, end } = part.triangles;
+        Draw {
+            variant,
+            place,
+            indices: 3 * start as u32..3 * end as u32,
+        }
+    })
+}
+
+/// One view at a time.
+fn bind(device: &Device, layout: &wgpu::BindGroupLayout, views: &Growing) -> wgpu::BindGroup {
+    let view = wgpu::BufferBinding {
+        buffer: views.buffer(),
+        offset: 0,
+        size: wgpu::BufferSize::new(size_of::<View>() as u64),
+    };
+    device.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("shade.view"),
+        layout,
+        entries: &[wgpu::BindGroupEntry {
+            binding: 0,
+            resource: wgpu::BindingResource::Buffer(view),
+        }],
+    })
 }
 
 /// Starts a pass over a background and fresh depth, or over nothing and the depth that is there.

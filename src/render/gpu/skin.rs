@@ -1,23 +1,20 @@
-//! Stage 1 on the device, `shaders/skin*.wgsl`: every vertex of every instance, once, into one buffer that draws and queries read.
+//! Stage 1 on the device, `shaders/skin*.wgsl`: every vertex that a submission asks for, once, into one buffer that draws and queries
+//! read.
 
 use super::buffers::Growing;
 use super::device::Device;
+use super::instances::Skins;
 use super::layout::SkinJob;
 use super::shaders;
 use super::upload::{GpuMesh, GpuRig};
 use crate::pose::Skinning;
-use crate::render::Instance;
 use glam::Vec4;
 use std::collections::HashMap;
 use wgpu::{BufferUsages, ShaderStages};
 
 /// Where one mesh of one instance lies in the skinned buffer.
-pub(super) struct SkinnedMesh {
-    pub instance: usize,
-    /// In the rig's meshes.
-    pub mesh: usize,
-    /// Among the rig's uploaded meshes.
-    pub uploaded: usize,
+pub(super) struct SkinnedMesh<'a> {
+    pub mesh: &'a GpuMesh,
     /// In bytes, three floats a vertex.
     pub positions_start: u64,
     pub normals_start: u64,
@@ -36,7 +33,7 @@ pub(super) struct SkinStage {
     bind_group: wgpu::BindGroup,
     /// Bytes from one job to the next, as the device aligns them.
     job_stride: u64,
-    /// Reused from frame to frame.
+    /// Reused from submission to submission.
     scratch: Scratch,
 }
 
@@ -144,16 +141,20 @@ impl SkinStage {
         });
     }
 
-    /// Writes palettes and weights and records the skin pass. `rigs` are those of `instances`, in step.
-    pub fn encode(
+    /// Writes palettes and weights and records the skin pass, if there is anything to skin. `rigs` are those of `skins`, in step, and so are
+    /// the meshes that are returned, of each skin those that were asked for.
+    pub fn encode<'a>(
         &mut self,
         device: &Device,
         encoder: &mut wgpu::CommandEncoder,
-        instances: &[Instance],
-        rigs: &[&GpuRig],
-    ) -> Vec<SkinnedMesh> {
-        for instance in instances {
-            self.prepare(device, instance.palette().skinning());
+        skins: &Skins<'_>,
+        rigs: &[&'a GpuRig],
+    ) -> Vec<Vec<SkinnedMesh<'a>>> {
+        if rigs.is_empty() {
+            return Vec::new();
+        }
+        for skin in skins.iter() {
+            self.prepare(device, skin.instance.palette().skinning());
         }
         let Scratch {
             palette,
@@ -165,24 +166,18 @@ impl SkinStage {
         jobs.clear();
         let mut skinned = Vec::new();
         let mut floats: u32 = 0;
-        for (instance, (of_instance, rig)) in instances.iter().zip(rigs).enumerate() {
+        for (skin, rig) in skins.iter().zip(rigs) {
             let first_row = palette.len() as u32;
-            palette.extend_from_slice(of_instance.palette().rows());
+            palette.extend_from_slice(skin.instance.palette().rows());
             let first_morph_weight = morph_weights.len() as u32;
-            morph_weights.extend_from_slice(of_instance.morph_weights());
-            for (
-                uploaded,
-                GpuMesh {
-                    index,
-                    vertex_count,
-                    ..
-                },
-            ) in rig.meshes.iter().enumerate()
-            {
-                let (positions_start, normals_start) = (floats, floats + 3 * vertex_count);
-                floats += 6 * vertex_count;
+            morph_weights.extend_from_slice(skin.instance.morph_weights());
+            let meshes = rig.meshes.iter();
+            let wanted = meshes.filter(|mesh| skin.meshes.contains(&mesh.index));
+            let places = wanted.map(|mesh| {
+                let (positions_start, normals_start) = (floats, floats + 3 * mesh.vertex_count);
+                floats += 6 * mesh.vertex_count;
                 let job = SkinJob {
-                    vertex_count: *vertex_count,
+                    vertex_count: mesh.vertex_count,
                     first_row,
                     first_morph_weight,
                     positions_start,
@@ -190,22 +185,18 @@ impl SkinStage {
                 };
                 jobs.extend_from_slice(bytemuck::bytes_of(&job));
                 jobs.resize(jobs.len().next_multiple_of(self.job_stride as usize), 0);
-                skinned.push(SkinnedMesh {
-                    instance,
-                    mesh: *index,
-                    uploaded,
+                SkinnedMesh {
+                    mesh,
                     positions_start: 4 * u64::from(positions_start),
                     normals_start: 4 * u64::from(normals_start),
-                });
-            }
+                }
+            });
+            skinned.push(places.collect());
         }
-        let palette: &[u8] = bytemuck::cast_slice(palette);
-        let morph_weights: &[u8] = bytemuck::cast_slice(morph_weights);
         let grew = [
-            self.jobs.reserve(device, jobs.len() as u64),
-            self.palette.reserve(device, palette.len() as u64),
-            self.morph_weights
-                .reserve(device, morph_weights.len() as u64),
+            self.jobs.write(device, jobs),
+            self.palette.write(device, palette),
+            self.morph_weights.write(device, morph_weights),
             self.skinned.reserve(device, 4 * u64::from(floats)),
         ];
         if grew.contains(&true) {
@@ -220,21 +211,25 @@ impl SkinStage {
                 ],
             );
         }
-        device.queue.write_buffer(self.palette.buffer(), 0, palette);
-        device
-            .queue
-            .write_buffer(self.morph_weights.buffer(), 0, morph_weights);
-        device.queue.write_buffer(self.jobs.buffer(), 0, jobs);
+        self.record(encoder, skins, &skinned);
+        skinned
+    }
 
+    fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        skins: &Skins<'_>,
+        skinned: &[Vec<SkinnedMesh<'_>>],
+    ) {
         let descriptor = wgpu::ComputePassDescriptor {
             label: Some("skin.pass"),
             timestamp_writes: None,
         };
         let mut pass = encoder.begin_compute_pass(&descriptor);
         let mut offset = 0;
-        for (instance, rig) in instances.iter().zip(rigs) {
-            pass.set_pipeline(&self.pipelines[&instance.palette().skinning()]);
-            for mesh in &rig.meshes {
+        for (skin, places) in skins.iter().zip(skinned) {
+            pass.set_pipeline(&self.pipelines[&skin.instance.palette().skinning()]);
+            for SkinnedMesh { mesh, .. } in places {
                 pass.set_bind_group(0, &self.bind_group, &[offset]);
                 pass.set_bind_group(1, &mesh.bind_group, &[]);
                 let groups = mesh.vertex_count.div_ceil(shaders::WORKGROUP);
@@ -243,8 +238,6 @@ impl SkinStage {
                 offset += self.job_stride as u32;
             }
         }
-        drop(pass);
-        skinned
     }
 }
 

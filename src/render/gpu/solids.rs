@@ -1,13 +1,22 @@
-//! The solids of one picture on the device.
+//! The solids of all pictures of a submission on the device.
 
 use super::buffers::Growing;
 use super::device::Device;
-use crate::render::Solids;
+use crate::render::{SolidVertex, Solids};
+use std::ops::Range;
 use wgpu::BufferUsages;
 
 pub(super) struct SolidBuffers {
     vertices: Growing,
     indices: Growing,
+    /// Reused from submission to submission.
+    gathered: Solids,
+}
+
+/// Where the solids of one picture lie: bytes of vertices and of indices.
+pub(super) struct SolidPlace {
+    vertices: Range<u64>,
+    indices: Range<u64>,
 }
 
 impl SolidBuffers {
@@ -15,6 +24,7 @@ impl SolidBuffers {
         Self {
             vertices: Growing::new(device, "solids.vertices", BufferUsages::VERTEX),
             indices: Growing::new(device, "solids.indices", BufferUsages::INDEX),
+            gathered: Solids::default(),
         }
     }
 
@@ -22,19 +32,42 @@ impl SolidBuffers {
         self.vertices.buffer().size() + self.indices.buffer().size()
     }
 
-    pub fn write(&mut self, device: &Device, solids: &Solids) {
-        let vertices: &[u8] = bytemuck::cast_slice(&solids.vertices);
-        let indices: &[u8] = bytemuck::cast_slice(&solids.triangles);
-        for (buffer, bytes) in [(&mut self.vertices, vertices), (&mut self.indices, indices)] {
-            buffer.reserve(device, bytes.len() as u64);
-            device.queue.write_buffer(buffer.buffer(), 0, bytes);
-        }
+    /// In step with `pictures`.
+    pub fn write<'a>(
+        &mut self,
+        device: &Device,
+        pictures: impl Iterator<Item = &'a Solids>,
+    ) -> Vec<SolidPlace> {
+        let Solids {
+            vertices,
+            triangles,
+        } = &mut self.gathered;
+        vertices.clear();
+        triangles.clear();
+        let place = |solids: &Solids| {
+            let first_vertex = size_of_val(vertices.as_slice()) as u64;
+            let first_index = size_of_val(triangles.as_slice()) as u64;
+            vertices.extend_from_slice(&solids.vertices);
+            triangles.extend_from_slice(&solids.triangles);
+            SolidPlace {
+                vertices: first_vertex..size_of_val(vertices.as_slice()) as u64,
+                indices: first_index..size_of_val(triangles.as_slice()) as u64,
+            }
+        };
+        let places = pictures.map(place).collect();
+        self.vertices
+            .write::<SolidVertex>(device, &self.gathered.vertices);
+        self.indices.write(device, &self.gathered.triangles);
+        places
     }
 
     /// Draws what was [written](Self::write), with the pipeline that is set.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, solids: &Solids) {
-        pass.set_vertex_buffer(0, self.vertices.buffer().slice(..));
-        pass.set_index_buffer(self.indices.buffer().slice(..), wgpu::IndexFormat::Uint32);
-        pass.draw_indexed(0..3 * solids.triangles.len() as u32, 0, 0..1);
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, place: &SolidPlace) {
+        let SolidPlace { vertices, indices } = place;
+        let count = (indices.end - indices.start) / size_of::<u32>() as u64;
+        pass.set_vertex_buffer(0, self.vertices.buffer().slice(vertices.clone()));
+        let indices = self.indices.buffer().slice(indices.clone());
+        pass.set_index_buffer(indices, wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..count as u32, 0, 0..1);
     }
 }

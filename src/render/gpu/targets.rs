@@ -117,7 +117,7 @@ impl TargetCache {
 
 impl TargetShape {
     /// Eight bytes of color a sample and layer and again for the mean, four of depth a sample, four of result a pixel.
-    fn bytes(self) -> u64 {
+    pub fn bytes(self) -> u64 {
         let samples = u64::from(self.samples.count());
         let means = if self.samples == Samples::One { 0 } else { 1 };
         let layers = self.layers as u64 + 1;

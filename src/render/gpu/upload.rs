@@ -21,7 +21,6 @@ pub(super) struct GpuMesh {
     /// In [`Rig::meshes`].
     pub index: usize,
     pub vertex_count: u32,
-    pub index_count: u32,
     pub indices: Buffer,
     /// What the skin stage reads: bind vertices, influences, morph displacements.
     pub bind_group: BindGroup,
@@ -174,7 +173,6 @@ impl GpuMesh {
         Self {
             index,
             vertex_count: mesh.vertex_count() as u32,
-            index_count: 3 * mesh.draw_triangles().len() as u32,
             indices: filled(
                 device,
                 "upload.indices",

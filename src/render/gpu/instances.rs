@@ -1,0 +1,165 @@
+//! What a submission skins: each distinct instance once, and of it only the meshes that somebody asked for. Never lives here: skinning.
+
+use crate::render::{Instance, Plan, Wanted};
+use crate::rig::Mesh;
+use crate::scene::VertexQuery;
+use std::collections::BTreeSet;
+
+/// An instance that pictures show, or whose vertices are asked for.
+pub(super) struct Skin<'a> {
+    pub instance: &'a Instance,
+    /// Those to skin, in the rig's meshes; at least one, and each has vertices.
+    pub meshes: BTreeSet<usize>,
+}
+
+/// No two of them are [skinned alike](Instance::is_skinned_like).
+#[derive(Default)]
+pub(super) struct Skins<'a>(Vec<Skin<'a>>);
+
+impl<'a> Skins<'a> {
+    pub fn of(plans: &[&'a Plan]) -> Self {
+        let mut skins = Self::default();
+        for plan in plans {
+            for instance in plan.shown_instances() {
+                match &plan.wanted {
+                    Wanted::Picture(_) => {
+                        let meshes = instance.rig().meshes().iter().enumerate();
+                        let is_drawn = |mesh: &Mesh| !mesh.draw_triangles().is_empty();
+                        let drawn = meshes.filter(|(_, mesh)| is_drawn(mesh));
+                        drawn.for_each(|(mesh, _)| skins.add(instance, mesh));
+                    }
+                    Wanted::Vertices(queries) => {
+                        let answered = queries.iter().filter(|query| asks_for_any(query));
+                        answered.for_each(|query| skins.add(instance, query.mesh));
+                    }
+                }
+            }
+        }
+        skins
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = &Skin<'a>> {
+        self.0.iter()
+    }
+
+    /// Where among them that of `instance` stands; `None` where nothing of it was asked for.
+    pub fn position(&self, instance: &Instance) -> Option<usize> {
+        let is_it = |skin: &Skin<'_>| skin.instance.is_skinned_like(instance);
+        self.0.iter().position(is_it)
+    }
+
+    fn add(&mut self, instance: &'a Instance, mesh: usize) {
+        let place = self.position(instance).unwrap_or_else(|| {
+            let meshes = BTreeSet::new();
+            self.0.push(Skin { instance, meshes });
+            self.0.len() - 1
+        });
+        self.0[place].meshes.insert(mesh);
+    }
+}
+
+fn asks_for_any(query: &VertexQuery) -> bool {
+    query.count > 0 && (query.positions || query.normals)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::limits::Limits;
+    use crate::pose::{Pose, Posed, Skinning};
+    use crate::rig::{Draft, MeshDraft};
+    use crate::scene::{
+        Background, Bounds, Camera, Cull, Light, Orbit, Samples, Scene, Shape, Show, ShowSkin,
+        Size, Surface,
+    };
+    use glam::{DVec3, Vec3};
+    use std::sync::Arc;
+
+    /// Three triangles, a mesh each.
+    fn posed() -> Arc<Posed> {
+        let mesh = |_| MeshDraft {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            triangles: vec![[0, 1, 2]],
+            ..MeshDraft::default()
+        };
+        let draft = Draft {
+            meshes: (0..3).map(mesh).collect(),
+            ..Draft::default()
+        };
+        let rig = Arc::new(draft.build(&Limits::default()).unwrap());
+        Arc::new(Posed::new(&Pose::rest(&rig)).unwrap())
+    }
+
+    fn picture(posed: &Arc<Posed>, skin: ShowSkin) -> Plan {
+        let size = Size {
+            width: 8,
+            height: 8,
+        };
+        let bounds = Bounds {
+            min: DVec3::ZERO,
+            max: DVec3::ONE,
+        };
+        let scene = Scene {
+            size,
+            samples: Samples::One,
+            camera: Camera::orbit(Orbit::default(), &bounds, size).unwrap(),
+            lights: Light::default_pair(),
+            ambient: Scene::DEFAULT_AMBIENT,
+            surface: Surface::default(),
+            background: Background::default(),
+            show: Show::new(skin, Default::default(), Default::default(), 1.0).unwrap(),
+            cull: Cull::Auto,
+        };
+        Plan::picture(Arc::clone(posed), Skinning::Linear, scene, 1.0)
+    }
+
+    fn vertices(posed: &Arc<Posed>, skinning: Skinning, queries: &[(usize, usize)]) -> Plan {
+        let query = |&(mesh, count)| VertexQuery {
+            mesh,
+            start: 0,
+            count,
+            positions: true,
+            normals: false,
+        };
+        let queries = queries.iter().map(query).collect();
+        Plan::vertices(Arc::clone(posed), skinning, Shape::Posed, queries)
+    }
+
+    /// The meshes of each.
+    fn skinned(plans: &[Plan]) -> Vec<Vec<usize>> {
+        let plans: Vec<&Plan> = plans.iter().collect();
+        let skins = Skins::of(&plans);
+        let meshes = skins.iter().map(|skin| skin.meshes.iter().copied());
+        meshes.map(Iterator::collect).collect()
+    }
+
+    #[test]
+    fn an_instance_is_skinned_once_however_many_ask_for_it() {
+        let (one, other) = (posed(), posed());
+        let linear = |queries: &[(usize, usize)]| vertices(&one, Skinning::Linear, queries);
+        let shown = |posed| picture(posed, ShowSkin::default());
+        let plans = [
+            linear(&[(2, 3)]),
+            shown(&one),
+            shown(&one),
+            linear(&[(0, 1), (2, 1)]),
+        ];
+        assert_eq!(skinned(&plans), [[0, 1, 2]]);
+        let apart = [
+            shown(&one),
+            shown(&other),
+            vertices(&one, Skinning::DualQuaternion, &[(1, 3)]),
+        ];
+        assert_eq!(skinned(&apart), [vec![0, 1, 2], vec![0, 1, 2], vec![1]]);
+    }
+
+    #[test]
+    fn nothing_is_skinned_that_nobody_asked_for() {
+        let posed = posed();
+        let some = vertices(&posed, Skinning::Linear, &[(2, 1), (0, 0)]);
+        assert_eq!(skinned(&[some]), [[2]]);
+        let none = vertices(&posed, Skinning::Linear, &[(1, 0)]);
+        let hidden = picture(&posed, ShowSkin::None);
+        assert_eq!(skinned(&[none, hidden]), Vec::<Vec<usize>>::new());
+    }
+}
