@@ -66,6 +66,9 @@ pub struct ServerStats {
     /// Time that all of that took, in milliseconds; several requests at a time count several times.
     #[serde(default)]
     pub timings_ms: Timings,
+    /// Time that the graphics device was at work, by its own clock, in milliseconds; 0 where there is none or it has no clock.
+    #[serde(default)]
+    pub gpu_busy_ms: f64,
     /// Bytes read from all connections.
     pub bytes_in: u64,
     /// Bytes written to all connections.

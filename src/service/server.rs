@@ -43,6 +43,7 @@ impl Call {
         wire::ServerStats {
             queue_depth: engine.admission().depth(),
             rigs: engine.rigs().len() as u64,
+            gpu_busy_ms: engine.gpu_busy().as_secs_f64() * 1e3,
             memory: wire::Memory {
                 // 0 where the system does not tell.
                 cpu_bytes: memory_stats::memory_stats()
