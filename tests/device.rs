@@ -162,6 +162,7 @@ fn plans_that_share_a_submission_give_what_each_gives_alone() {
     let plans = mixed_plans(&rig);
     let plans: Vec<&Plan> = plans.iter().collect();
     assert_eq!(gpu.fitting(&plans), plans.len());
+    assert_eq!(gpu.fitting(&[plans[1]; 40]), 16, "a submission is bounded");
     let run = |gpu: &mut Gpu, plans: &[&Plan]| {
         let in_flight = gpu.submit(plans).expect("room");
         gpu.finish(in_flight).expect("outputs")

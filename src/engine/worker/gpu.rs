@@ -112,7 +112,9 @@ struct Thread {
     gauges: Arc<Gauges>,
 }
 
-/// Submissions on the device at a time: one is drawn while one is read back.
+/// Submissions on the device at a time: one is drawn while one is read back. Mesa's software driver does not care: of eight requests for
+/// 64x64 at a time, depths of 1, 2 and 3 answer 178, 179 and 174 a second, and the driver is at work 95% of the time at each of them. A
+/// third would only hold memory.
 const DEPTH: usize = 2;
 
 /// How long a job that comes while the device is at work waits at the most until it is submitted as well.
