@@ -2,9 +2,9 @@
 
 use super::Shared;
 use super::lines::is_timeout;
-use crate::service::{Outgoing, Pending, turned_away};
+use crate::service::{Outgoing, Part, Pending, turned_away};
 use std::collections::VecDeque;
-use std::io::{ErrorKind, Write};
+use std::io::{ErrorKind, IoSlice, Write};
 use std::net::{Shutdown, TcpStream};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -128,29 +128,22 @@ fn wait(shared: &Shared, pending: &Pending) -> Outgoing {
     }
 }
 
-fn write(shared: &Shared, stream: &TcpStream, reply: &Outgoing) -> std::io::Result<()> {
-    write_part(shared, stream, &reply.line)?;
-    let mut attached = 0;
-    for part in &reply.attachments {
-        let bytes = part.bytes();
-        write_part(shared, stream, bytes)?;
-        attached += bytes.len();
-    }
-    shared
-        .service
-        .stats()
-        .wrote_bytes(reply.line.len() + attached);
-    Ok(())
-}
-
-/// Waits for a client to take everything in, but not for ever, and hardly at all once the server has stopped waiting for anything.
-fn write_part(shared: &Shared, mut stream: &TcpStream, mut bytes: &[u8]) -> std::io::Result<()> {
+/// Writes a message in one piece, as far as the socket takes it: in several, its client would be woken for each. Waits for a client to take
+/// everything in, but not for ever, and hardly at all once the server has stopped waiting for anything.
+fn write(shared: &Shared, mut stream: &TcpStream, message: &Outgoing) -> std::io::Result<()> {
+    let parts = message.attachments.iter().map(Part::bytes);
+    let pieces = std::iter::once(message.line.as_slice()).chain(parts);
+    let mut pieces: Vec<IoSlice<'_>> = pieces.map(IoSlice::new).collect();
+    let bytes: usize = pieces.iter().map(|piece| piece.len()).sum();
+    let mut rest = pieces.as_mut_slice();
     let mut taken = Instant::now();
-    while !bytes.is_empty() {
-        match stream.write(bytes) {
+    // Passes over pieces of nothing.
+    IoSlice::advance_slices(&mut rest, 0);
+    while !rest.is_empty() {
+        match stream.write_vectored(rest) {
             Ok(0) => return Err(ErrorKind::WriteZero.into()),
             Ok(count) => {
-                bytes = &bytes[count..];
+                IoSlice::advance_slices(&mut rest, count);
                 taken = Instant::now();
             }
             Err(error) if error.kind() == ErrorKind::Interrupted => {}
@@ -162,6 +155,7 @@ fn write_part(shared: &Shared, mut stream: &TcpStream, mut bytes: &[u8]) -> std:
             Err(error) => return Err(error),
         }
     }
+    shared.service.stats().wrote_bytes(bytes);
     Ok(())
 }
 

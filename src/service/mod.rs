@@ -17,6 +17,7 @@ mod scene;
 mod server;
 mod stats;
 
+pub use crate::protocol::attach::Part;
 pub use answer::{Outgoing, Pending};
 pub use describe::describe_files;
 pub use message::{Message, turned_away};
