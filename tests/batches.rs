@@ -429,6 +429,7 @@ fn joints_come_in_arrays_and_need_no_skin() {
         ),
         (json!({"poses": [{}], "dof_values": rows[0]}), "poses"),
         (json!({}), "poses"),
+        (json!({"poses": [{}], "pose": {}}), "pose"),
         (
             json!({"poses": [], "attributes": ["colors"]}),
             "attributes[0]",
@@ -481,4 +482,23 @@ fn a_mesh_batch_is_streamed_and_takes_its_rows_attached() {
     let (first, last) = (&items[0].1, &items[49].1);
     assert_eq!(first.len(), last.len());
     assert!(first != last);
+}
+
+#[test]
+fn whoever_asks_for_one_picture_does_not_wait_for_a_stream_to_end() {
+    let service = support::service();
+    let server = TestServer::start(&service);
+    let mut many = server.connect();
+    let frames = vec![json!({}); 2000];
+    let batch = json!({"rig": "figure", "size": [256, 256], "transport": "attach", "stream": true, "frames": frames});
+    many.request("many", "frame.batch", batch);
+    // It is read all the time.
+    let reading = std::thread::spawn(move || streamed(&mut many, "frame.ready", "frame").0.len());
+    let mut one = server.connect();
+    for id in 0..10 {
+        one.request(id, "frame.render", support::server::picture(16));
+        one.result(id);
+    }
+    assert!(drawn(&service) < 1500, "they were answered at its end");
+    assert_eq!(reading.join().expect("it is read"), 2000);
 }

@@ -139,9 +139,9 @@ pub struct FrameReady {
 pub struct MeshBatchParams {
     /// Name or digest of a loaded rig.
     pub rig: String,
-    /// What `dof_values` are set upon.
-    #[serde(default)]
-    pub pose: Pose,
+    /// What `dof_values` are set upon; not beside `poses`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pose: Option<Pose>,
     #[serde(default)]
     pub skinning: Skinning,
     /// Whether the vertices follow the pose.

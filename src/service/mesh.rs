@@ -126,6 +126,10 @@ impl Call {
         let limits = self.engine().limits();
         let dof_count = rig.dofs().all().len();
         match (params.poses.take(), params.dof_values.take()) {
+            (Some(_), None) if params.pose.is_some() => {
+                let problem = "expected no `pose` beside `poses`: each of them is a whole pose";
+                Err(Fault::invalid_params("pose", problem))
+            }
             (Some(poses), None) => {
                 limits.batch_items(poses.len())?;
                 Ok(Poses::Each(poses))
@@ -144,7 +148,7 @@ impl Call {
                 }
                 limits.batch_items(values.len() / dof_count)?;
                 Ok(Poses::Rows {
-                    common: std::mem::take(&mut params.pose),
+                    common: params.pose.take().unwrap_or_default(),
                     values,
                     dof_count,
                 })
@@ -388,7 +392,9 @@ impl Poses {
             (Self::Each(_), Some(rest)) => {
                 Fault::invalid_params(format!("poses[{index}]{rest}"), message)
             }
-            (Self::Rows { .. }, Some(rest)) if rest.starts_with(".dof_values") => {
+            (Self::Rows { .. }, Some(rest))
+                if rest.is_empty() || rest.starts_with(".dof_values") =>
+            {
                 Fault::invalid_params("dof_values", format!("row {index}: {message}"))
             }
             _ => Fault::InvalidParams { path, message },

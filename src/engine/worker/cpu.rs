@@ -67,10 +67,13 @@ impl Shared {
             Claim::Made(job, skinned) => self.draw(job, started, &skinned),
             Claim::Make(job, making) => {
                 let instances = job.plan.shown_instances();
-                let is_wanted = || job.urgency.check().is_ok() || self.skins.is_awaited(&making);
                 let cores = match self.cores() {
                     Cores::One if work_of(instances) < HEAVY => Cores::One,
                     _ => Cores::All,
+                };
+                let is_wanted = || {
+                    self.give_way(cores);
+                    job.urgency.check().is_ok() || self.skins.is_awaited(&making)
                 };
                 let spread = Spread::over(cores, &is_wanted);
                 let skinned =
@@ -109,9 +112,21 @@ impl Shared {
         urgency: &Urgency,
         work: impl FnOnce(Spread<'_>) -> Option<Outputs>,
     ) -> Result<Outputs, EngineError> {
-        let is_wanted = || urgency.check().is_ok();
-        let outputs = caught(|| work(Spread::over(self.cores(), &is_wanted)))?;
+        let cores = self.cores();
+        let is_wanted = || {
+            self.give_way(cores);
+            urgency.check().is_ok()
+        };
+        let outputs = caught(|| work(Spread::over(cores, &is_wanted)))?;
         outputs.ok_or_else(|| unwanted(urgency))
+    }
+
+    /// A job that has all cores lets those that came since go first, a portion of its own at a time: none of them has all cores, so this
+    /// goes no deeper.
+    fn give_way(&self, cores: Cores) {
+        if cores == Cores::All && self.in_hand.load(Ordering::Relaxed) > 1 {
+            self.pool.give_way();
+        }
     }
 
     fn cores(&self) -> Cores {
