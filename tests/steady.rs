@@ -44,8 +44,9 @@ fn draw(service: &Arc<Service>, count: usize) {
     });
 }
 
-fn gpu_bytes(service: &Arc<Service>) -> Value {
-    support::ask_ok(service, "server.stats", json!({}))["memory"]["gpu_bytes"].take()
+fn gpu_bytes(service: &Arc<Service>) -> u64 {
+    let stats = support::ask_ok(service, "server.stats", json!({}));
+    stats["memory"]["gpu_bytes"].as_u64().expect("a number")
 }
 
 fn resident() -> usize {
@@ -60,6 +61,11 @@ fn memory_does_not_grow_with_the_number_of_pictures() {
     draw(&service, ALL - WARM);
     let after = resident();
     println!("{before} bytes after {WARM} pictures, {after} after {ALL}");
-    assert_eq!(gpu_bytes(&service), on_device);
+    // How many requests happen to share a submission decides how large its buffers have to be.
+    let on_device_after = gpu_bytes(&service);
+    assert!(
+        on_device_after <= on_device + TOLERANCE as u64,
+        "{on_device_after} bytes on the device, {on_device} before"
+    );
     assert!(after <= before + TOLERANCE, "{} bytes more", after - before);
 }
