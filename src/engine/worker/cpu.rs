@@ -67,12 +67,14 @@ impl Shared {
             Claim::Made(job, skinned) => self.draw(job, started, &skinned),
             Claim::Make(job, making) => {
                 let instances = job.plan.shown_instances();
-                let cores = match self.cores() {
+                let alone = self.cores();
+                let cores = match alone {
                     Cores::One if work_of(instances) < HEAVY => Cores::One,
                     _ => Cores::All,
                 };
                 let is_wanted = || {
-                    self.give_way(cores);
+                    // Not what is heavy beside others: each of them would give way to the next one, deeper and deeper.
+                    self.give_way(alone);
                     job.urgency.check().is_ok() || self.skins.is_awaited(&making)
                 };
                 let spread = Spread::over(cores, &is_wanted);
@@ -121,7 +123,7 @@ impl Shared {
         outputs.ok_or_else(|| unwanted(urgency))
     }
 
-    /// A job that has all cores lets those that came since go first, a portion of its own at a time: none of them has all cores, so this
+    /// A job that had all cores to itself lets those that came since go first, a portion of its own at a time. None of them has, so this
     /// goes no deeper.
     fn give_way(&self, cores: Cores) {
         if cores == Cores::All && self.in_hand.load(Ordering::Relaxed) > 1 {
