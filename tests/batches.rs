@@ -158,8 +158,10 @@ fn what_is_wrong_with_a_picture_is_told_before_any_is_drawn() {
             json!({"lights": [{"kind": "sun"}]}),
             "frames[1].lights[0].kind",
         ),
-        // The pose is that of the common part.
-        (json!({"rig": "bone"}), "pose.dofs.head.ry"),
+        // The pose is that of the common part, which suits the rig there.
+        (json!({"rig": "bone"}), "frames[1].pose.dofs.head.ry"),
+        (json!({"rig": "nobody"}), "frames[1]"),
+        (json!({"size": [5000, 5000]}), "frames[1]"),
     ] {
         let mut batch = common();
         batch["frames"] = json!([{}, change]);
@@ -177,6 +179,15 @@ fn what_is_wrong_with_a_picture_is_told_before_any_is_drawn() {
     batch["frames"] = json!([{}, {"rig": "nobody"}]);
     let error = ask(&service, "frame.batch", batch).expect_err("there is no such rig");
     assert_eq!(error.detail("rig"), Some(&json!("nobody")));
+    assert_eq!(error.message, "frames[1]: rig `nobody` is not loaded");
+    // What is wrong with the common part is its own, also where there is no picture.
+    for frames in [json!([]), json!([{}, {"ambient": [1, 1, 1]}])] {
+        let mut batch = common();
+        batch["frames"] = frames;
+        batch["camera"] = json!({"kind": "orbit", "fov_y": -1});
+        let error = ask(&service, "frame.batch", batch).expect_err("it is wrong");
+        assert_eq!(error.detail("path"), Some(&json!("camera.fov_y")));
+    }
     let error = ask(&service, "frame.batch", common()).expect_err("it has no frames");
     assert_eq!(error.detail("path"), Some(&json!("frames")));
     assert_eq!(frames(&service), before);
@@ -230,6 +241,7 @@ fn a_batch_keeps_to_its_limits() {
     };
     assert_eq!(exceeded(pixels(31, true)), Some(json!("batch_items")));
     assert_eq!(exceeded(pixels(30, false)), Some(json!("batch_bytes")));
+    assert_eq!(drawn(&service), 0, "its size was known beforehand");
     assert!(pixels(30, true).is_ok());
     assert!(pixels(2, false).is_ok());
     let joints = |count: usize| {
@@ -239,9 +251,21 @@ fn a_batch_keeps_to_its_limits() {
     };
     assert_eq!(exceeded(joints(31)), Some(json!("batch_items")));
     assert!(joints(30).is_ok());
-    // What was given up on holds nothing.
-    for _ in 0..100 {
-        assert_eq!(exceeded(pixels(30, false)), Some(json!("batch_bytes")));
+    let vertices = |count: usize| {
+        let poses = vec![json!({}); count];
+        ask(
+            &service,
+            "mesh.batch",
+            json!({"rig": "figure", "poses": poses, "transport": "attach"}),
+        )
+    };
+    assert_eq!(exceeded(vertices(30)), Some(json!("batch_bytes")));
+    // How small a PNG comes out is found by drawing it; what was given up on holds nothing.
+    for _ in 0..20 {
+        let mut batch = json!({"rig": "figure", "size": [256, 256]});
+        batch["frames"] = json!(vec![json!({}); 30]);
+        let outcome = ask(&service, "frame.batch", batch);
+        assert_eq!(exceeded(outcome), Some(json!("batch_bytes")));
     }
     assert_idle(&service);
 }
@@ -501,4 +525,57 @@ fn whoever_asks_for_one_picture_does_not_wait_for_a_stream_to_end() {
     }
     assert!(drawn(&service) < 1500, "they were answered at its end");
     assert_eq!(reading.join().expect("it is read"), 2000);
+}
+
+#[test]
+fn what_is_heavy_beside_others_does_not_let_all_of_them_go_first() {
+    let service = support::service();
+    // Each vertex follows enough joints for its skin to be worth sharing out among the cores.
+    let (joints, vertices) = (64, 40_000);
+    let mut skeleton = String::new();
+    for _ in 0..joints {
+        skeleton += "balljoint b { offset 0 0.1 0 ";
+    }
+    skeleton += &"}".repeat(joints);
+    let list = |item: &dyn Fn(usize) -> String| (0..vertices).map(item).collect::<String>();
+    let all_joints: String = (0..joints).map(|joint| format!("{joint} 1 ")).collect();
+    let bindings: String = (0..joints)
+        .map(|joint| {
+            format!(
+                "matrix {{ 1 0 0 0 1 0 0 0 1 0 {} 0 }} ",
+                joint as f64 / 10.0
+            )
+        })
+        .collect();
+    let skin = format!(
+        "positions {vertices} {{ {} }} normals {vertices} {{ {} }} skinweights {vertices} {{ {} }} triangles 1 {{ 0 1 2 }} \
+         bindings {joints} {{ {bindings} }}",
+        list(&|vertex| format!("{} {} 0 ", vertex % 7, vertex % 11)),
+        list(&|_| "0 0 1 ".to_owned()),
+        list(&|_| format!("{joints} {all_joints}")),
+    );
+    let files =
+        json!([{"name": "heavy.skel", "text": skeleton}, {"name": "heavy.skin", "text": skin}]);
+    ask_ok(&service, "rig.load", json!({"files": files}));
+    let server = TestServer::start(&service);
+    let mut clients: Vec<Wire> = (0..15).map(|_| server.connect()).collect();
+    for (client, wire) in clients.iter_mut().enumerate() {
+        for id in 0..32 {
+            let pose = json!({"dofs": {"b.rz": (32 * client + id) as f64 / 1000.0}});
+            let picture = json!({"rig": "heavy", "size": [8, 8], "pose": pose, "transport": "attach", "image": "rgba8"});
+            wire.request(id, "frame.render", picture);
+        }
+    }
+    let mut when_the_first_was_there = None;
+    for wire in &mut clients {
+        for id in 0..32 {
+            assert_eq!(wire.result(id)["width"], 8);
+            wire.bytes(4 * 8 * 8);
+            when_the_first_was_there.get_or_insert_with(|| drawn(&service));
+        }
+    }
+    assert!(
+        when_the_first_was_there < Some(240),
+        "each gave way to the next: {when_the_first_was_there:?}"
+    );
 }

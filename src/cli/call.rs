@@ -51,8 +51,9 @@ pub(super) fn run(args: &CallArgs) -> anyhow::Result<()> {
             bail!("{error}");
         }
     };
-    // Those of a stream are saved already.
-    if let Some(output) = args.output.as_ref().filter(|_| ahead == 0) {
+    // Those of a stream are saved already, and it may have none.
+    let streams = params.get("stream") == Some(&Value::Bool(true));
+    if let Some(output) = args.output.as_ref().filter(|_| !streams) {
         let bytes = take_blob(&mut result, &reply.attached)?
             .context("the result has no picture and no array to save")?;
         save(output, &bytes)?;

@@ -89,29 +89,6 @@ impl FrameChange {
             transport: laid(self.transport.as_ref(), common.transport),
         }
     }
-
-    /// Whether it gives the field of that name itself.
-    pub fn gives(&self, field: &str) -> bool {
-        match field {
-            "rig" => self.rig.is_some(),
-            "pose" => self.pose.is_some(),
-            "skinning" => self.skinning.is_some(),
-            "show" => self.show.is_some(),
-            "camera" => self.camera.is_some(),
-            "lights" => self.lights.is_some(),
-            "ambient" => self.ambient.is_some(),
-            "material" => self.material.is_some(),
-            "background" => self.background.is_some(),
-            "cull" => self.cull.is_some(),
-            "size" => self.size.is_some(),
-            "samples" => self.samples.is_some(),
-            "outputs" => self.outputs.is_some(),
-            "image" => self.image.is_some(),
-            "compression" => self.compression.is_some(),
-            "transport" => self.transport.is_some(),
-            _ => false,
-        }
-    }
 }
 
 /// The pictures of a batch, or how many were sent ahead.
@@ -247,9 +224,5 @@ mod tests {
         assert_eq!(unchanged.over(&batch), FrameParams::of("one"));
         let wanted: FrameParams = serde_json::from_value(whole).unwrap();
         assert_eq!(changed.over(&batch), wanted);
-        for field in &of_change {
-            assert!(changed.gives(field) && !unchanged.gives(field), "{field}");
-        }
-        assert!(!changed.gives("frames"));
     }
 }

@@ -61,6 +61,9 @@ pub enum Fault {
     PathNotAllowed { file: String, reason: String },
     #[error("the request was cancelled")]
     Cancelled,
+    /// Any fault but that of a parameter, and which of many parts of the request it is of: `path` leads there, e.g. `frames[3]`.
+    #[error("{path}: {fault}")]
+    Within { path: String, fault: Box<Fault> },
 }
 
 /// A file of a rig that cannot be read. `message` is the reader's sentence, with file and place; the other fields say the same to programs,
@@ -86,8 +89,27 @@ impl Fault {
         }
     }
 
+    /// That of the part of the request that `path` leads to: a parameter at fault is one of that part.
+    #[must_use]
+    pub fn within(self, path: &str) -> Self {
+        match self {
+            Self::InvalidParams {
+                path: inner,
+                message,
+            } => Self::InvalidParams {
+                path: format!("{path}.{inner}"),
+                message,
+            },
+            other => Self::Within {
+                path: path.to_owned(),
+                fault: Box::new(other),
+            },
+        }
+    }
+
     pub fn kind(&self) -> Kind {
         match self {
+            Self::Within { fault, .. } => fault.kind(),
             Self::ParseError { .. } => Kind::ParseError,
             Self::InvalidRequest { .. } => Kind::InvalidRequest,
             Self::MethodNotFound { .. } => Kind::MethodNotFound,
@@ -111,6 +133,11 @@ impl Fault {
     /// The members of `data` beside `kind` and `retryable`. What is not known is left out.
     fn details(self) -> Map<String, Value> {
         let details = match self {
+            Self::Within { path, fault } => {
+                let mut members = fault.details();
+                members.insert("path".to_owned(), path.into());
+                return members;
+            }
             Self::ParseError { .. }
             | Self::Internal { .. }
             | Self::Unauthorized
@@ -358,6 +385,14 @@ mod tests {
                 json!({"retry_after_ms": 50, "queue_depth": 0}),
             ),
             (Fault::DeviceLost, json!({})),
+            (
+                Fault::RigNotLoaded { rig: text("a") }.within("frames[3]"),
+                json!({"rig": "a", "path": "frames[3]"}),
+            ),
+            (
+                Fault::invalid_params("size", "expected two").within("frames[3]"),
+                json!({"path": "frames[3].size"}),
+            ),
             (
                 Fault::FileNotFound { file: text("f") },
                 json!({"file": "f"}),

@@ -44,6 +44,8 @@ pub(super) struct Course {
     pub streams: bool,
     /// Bytes of one item, until it is written: the largest.
     pub item_bytes: u64,
+    /// Bytes of all items as they are written, as far as they are known beforehand.
+    pub least_bytes: u64,
     /// Bytes of what the request brought and is kept until its end.
     pub request_bytes: u64,
 }
@@ -105,8 +107,12 @@ impl Call {
         let Course {
             streams,
             item_bytes,
+            least_bytes,
             request_bytes,
         } = *course;
+        if !streams {
+            self.engine().limits().batch_bytes(least_bytes)?;
+        }
         // Of its connection's share no more than half, so that what is asked beside it goes on.
         let share = self.engine().limits().in_flight_bytes_per_connection / 2;
         let threads = self.engine().thread_count();

@@ -55,13 +55,12 @@ impl Call {
         let request_bytes = params.frames.len() * size_of::<FrameChange>() + self.attached.len();
         // As they are now, whatever is loaded or set while the batch is drawn.
         let mut rigs = BTreeMap::new();
-        let changed = params
-            .frames
-            .iter()
-            .filter_map(|change| change.rig.as_ref());
-        for name in changed.chain([&params.rig]) {
-            if !rigs.contains_key(name) {
-                rigs.insert(name.clone(), self.engine().rig(name)?);
+        rigs.insert(params.rig.clone(), self.engine().rig(&params.rig)?);
+        for (index, change) in params.frames.iter().enumerate() {
+            if let Some(name) = change.rig.as_ref().filter(|name| !rigs.contains_key(*name)) {
+                let found = self.engine().rig(name);
+                let found = found.map_err(|error| Fault::from(error).within(&place(index)))?;
+                rigs.insert(name.clone(), found);
             }
         }
         let items = FrameItems {
@@ -69,14 +68,20 @@ impl Call {
             params,
             rigs,
         };
-        let mut item_bytes = 0;
+        if items.count() == 0 {
+            items.check(&FrameChange::default())?;
+        }
+        let (mut item_bytes, mut least_bytes) = (0, 0);
         for index in 0..items.count() {
             self.urgency.check()?;
-            item_bytes = item_bytes.max(items.check(index)?);
+            let bytes = items.check_at(index)?;
+            item_bytes = item_bytes.max(bytes.most);
+            least_bytes += bytes.least;
         }
         let course = Course {
             streams: items.params.stream,
             item_bytes,
+            least_bytes,
             request_bytes: request_bytes as u64,
         };
         self.run_batch(items, &course, answer)
@@ -224,32 +229,47 @@ struct FrameItems {
 }
 
 impl FrameItems {
-    /// Whether the picture can be asked for like this, and how many bytes it takes.
-    fn check(&self, index: usize) -> Result<u64, Fault> {
-        let params = self.params.frames[index].over(&self.params);
+    /// Whether a picture can be asked for like this, and what it takes.
+    fn check(&self, change: &FrameChange) -> Result<ItemBytes, Fault> {
+        let params = change.over(&self.params);
         let found = &self.rigs[&params.rig];
-        let checked = self.call.scene(&params, &found.loaded).and_then(|scene| {
-            self.call.check_pose(&params.pose, found)?;
-            Ok(bytes_of(&scene))
-        });
+        let scene = self.call.scene(&params, &found.loaded)?;
+        self.call.check_pose(&params.pose, found)?;
+        let least = match params.image {
+            wire::ImageFormat::Rgba8 => written(4 * scene.size.pixels() as u64, params.transport),
+            // Of a plain color next to nothing is left.
+            wire::ImageFormat::Png => 0,
+        };
+        Ok(ItemBytes {
+            most: bytes_of(&scene),
+            least,
+        })
+    }
+
+    fn check_at(&self, index: usize) -> Result<ItemBytes, Fault> {
+        let checked = self.check(&self.params.frames[index]);
         checked.map_err(|fault| self.located(index, fault))
     }
 
-    /// A fault of what only this picture says is told by its place there.
+    /// A fault that the common part has by itself is its own; else it is told by the picture.
     fn located(&self, index: usize, fault: Fault) -> Fault {
-        match fault {
-            Fault::InvalidParams { path, message } => {
-                let field = path.split(['.', '[']).next().unwrap_or_default();
-                let path = if self.params.frames[index].gives(field) {
-                    format!("frames[{index}].{path}")
-                } else {
-                    path
-                };
-                Fault::InvalidParams { path, message }
-            }
-            other => other,
+        match self.check(&FrameChange::default()) {
+            Err(of_common) if of_common == fault => fault,
+            _ => fault.within(&place(index)),
         }
     }
+}
+
+fn place(index: usize) -> String {
+    format!("frames[{index}]")
+}
+
+/// What a picture of a batch takes.
+struct ItemBytes {
+    /// Until it is written.
+    most: u64,
+    /// As it is written, as far as is known before it is drawn.
+    least: u64,
 }
 
 impl Items for FrameItems {
@@ -276,12 +296,7 @@ impl Items for FrameItems {
     }
 
     fn bytes(done: &Done) -> u64 {
-        let bytes = done.picture.bytes() as u64;
-        match done.head.transport {
-            PictureTransport::Attach => bytes,
-            // Themselves, and as text.
-            PictureTransport::Base64 => bytes + bytes.div_ceil(3) * 4,
-        }
+        written(done.picture.bytes() as u64, done.head.transport)
     }
 
     fn sent(done: Done, attachments: &mut Attachments) -> wire::Frame {
@@ -301,6 +316,14 @@ impl Items for FrameItems {
             frame_count: self.count() as u64,
             frames,
         }
+    }
+}
+
+fn written(bytes: u64, transport: PictureTransport) -> u64 {
+    match transport {
+        PictureTransport::Attach => bytes,
+        // Themselves, and as text.
+        PictureTransport::Base64 => bytes + bytes.div_ceil(3) * 4,
     }
 }
 

@@ -1,22 +1,20 @@
-//! `mesh.*`.
+//! `mesh.vertices` and `mesh.topology`.
 
 use super::answer::Answer;
-use super::batch::{Course, Items};
 use super::scene::of_skinning;
 use super::{Call, describe};
-use crate::engine::{RigRef, Terms, Timings};
+use crate::engine::{Terms, Timings};
 use crate::frame::{Pooled, SkinnedVertices};
 use crate::pose::{Posed, Skinning};
-use crate::protocol::batch::{BatchAttribute, MeshBatch, MeshBatchParams, MeshItem, MeshReady};
+use crate::protocol::batch::MeshItem;
 use crate::protocol::blob::{ArrayTransport, Blob, Numbers};
 use crate::protocol::frame::Timings as TimingsMs;
 use crate::protocol::mesh as wire;
-use crate::protocol::pose::{Clamped, DofValues, Pose};
-use crate::protocol::{Attachments, Fault, Id};
+use crate::protocol::pose::Clamped;
+use crate::protocol::{Attachments, Fault};
 use crate::rig::Rig;
 use crate::scene::{Bounds, Shape, VertexQuery};
 use glam::{DMat4, Vec3};
-use serde::Serialize;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -76,92 +74,8 @@ impl Call {
         Ok(())
     }
 
-    pub(super) fn vertices_batch(
-        &self,
-        mut params: MeshBatchParams,
-        answer: &mut Option<Answer>,
-    ) -> Result<(), Fault> {
-        let found = self.engine().rig(&params.rig)?;
-        let rig = Arc::clone(&found.loaded.rig);
-        let poses = self.poses(&mut params, &rig)?;
-        let wants = |attribute| params.attributes.contains(&attribute);
-        let (positions, normals) = (
-            wants(BatchAttribute::Positions),
-            wants(BatchAttribute::Normals),
-        );
-        let of_skin = queries(params.mesh.as_deref(), params.range, normals, &rig)?;
-        let wanted = Wanted {
-            queries: if positions || normals {
-                of_skin
-            } else {
-                Vec::new()
-            },
-            positions,
-            joints: wants(BatchAttribute::Joints),
-            skinning: of_skinning(params.skinning),
-            shape: of_state(params.state),
-            transport: params.transport,
-        };
-        let course = Course {
-            streams: params.stream,
-            item_bytes: wanted.bytes(&rig),
-            request_bytes: poses.bytes() + self.attached.len() as u64,
-        };
-        let items = MeshItems {
-            call: self.clone(),
-            found,
-            poses,
-            wanted: Arc::new(wanted),
-        };
-        for index in 0..items.count() {
-            self.urgency.check()?;
-            let checked = self.check_pose(&items.poses.at(index), &items.found);
-            checked.map_err(|fault| items.poses.located(index, fault))?;
-        }
-        self.run_batch(items, &course, answer)
-    }
-
-    /// Those of the items of a batch.
-    fn poses(&self, params: &mut MeshBatchParams, rig: &Rig) -> Result<Poses, Fault> {
-        let limits = self.engine().limits();
-        let dof_count = rig.dofs().all().len();
-        match (params.poses.take(), params.dof_values.take()) {
-            (Some(_), None) if params.pose.is_some() => {
-                let problem = "expected no `pose` beside `poses`: each of them is a whole pose";
-                Err(Fault::invalid_params("pose", problem))
-            }
-            (Some(poses), None) => {
-                limits.batch_items(poses.len())?;
-                Ok(Poses::Each(poses))
-            }
-            (None, Some(values)) => {
-                let values = match values {
-                    DofValues::List(values) => values,
-                    DofValues::Attached { .. } => self.numbers(&values, "dof_values")?,
-                };
-                if dof_count == 0 || values.len() % dof_count != 0 {
-                    let found = values.len();
-                    let problem = format!(
-                        "expected rows of {dof_count} values, one for each DOF, but found {found} values"
-                    );
-                    return Err(Fault::invalid_params("dof_values", problem));
-                }
-                limits.batch_items(values.len() / dof_count)?;
-                Ok(Poses::Rows {
-                    common: params.pose.take().unwrap_or_default(),
-                    values,
-                    dof_count,
-                })
-            }
-            (None, None) | (Some(_), Some(_)) => {
-                let problem = "expected either `poses` or `dof_values`";
-                Err(Fault::invalid_params("poses", problem))
-            }
-        }
-    }
-
     /// Works out and packs what is wanted of a pose. `done` runs once.
-    fn skin(
+    pub(super) fn skin(
         &self,
         wanted: &Arc<Wanted>,
         posed: Arc<Posed>,
@@ -249,31 +163,48 @@ impl Call {
 }
 
 /// What of a pose is asked for.
-struct Wanted {
+pub(super) struct Wanted {
     /// Positions in any case: the bounds are made of them.
-    queries: Vec<VertexQuery>,
+    pub queries: Vec<VertexQuery>,
     /// To be sent.
-    positions: bool,
-    joints: bool,
-    skinning: Skinning,
-    shape: Shape,
-    transport: ArrayTransport,
+    pub positions: bool,
+    pub joints: bool,
+    pub skinning: Skinning,
+    pub shape: Shape,
+    pub transport: ArrayTransport,
 }
 
 impl Wanted {
     /// Until it is written.
-    fn bytes(&self, rig: &Rig) -> u64 {
+    pub fn bytes(&self, rig: &Rig) -> u64 {
+        BYTES_PER_BYTE * self.bare_bytes(rig, 24)
+    }
+
+    /// As it is written.
+    pub fn written_bytes(&self, rig: &Rig) -> u64 {
+        let normals = self.queries.iter().any(|query| query.normals);
+        let bare = self.bare_bytes(
+            rig,
+            12 * (usize::from(self.positions) + usize::from(normals)),
+        );
+        match self.transport {
+            ArrayTransport::Attach => bare,
+            ArrayTransport::Json | ArrayTransport::Base64 => BYTES_PER_BYTE * bare,
+        }
+    }
+
+    fn bare_bytes(&self, rig: &Rig, bytes_per_vertex: usize) -> u64 {
         let vertices: usize = self.queries.iter().map(|query| query.count).sum();
         let joints = if self.joints {
             rig.skeleton().joints().len()
         } else {
             0
         };
-        BYTES_PER_BYTE * (24 * vertices + 64 * joints) as u64
+        (bytes_per_vertex * vertices + 64 * joints) as u64
     }
 }
 
-fn of_state(state: wire::VertexState) -> Shape {
+pub(super) fn of_state(state: wire::VertexState) -> Shape {
     match state {
         wire::VertexState::Posed => Shape::Posed,
         wire::VertexState::Bind => Shape::Bind,
@@ -281,9 +212,9 @@ fn of_state(state: wire::VertexState) -> Shape {
 }
 
 /// A pose worked out.
-struct Done {
-    rig: Arc<Rig>,
-    wanted: Arc<Wanted>,
+pub(super) struct Done {
+    pub rig: Arc<Rig>,
+    pub wanted: Arc<Wanted>,
     /// One for each query.
     skinned: Vec<SkinnedVertices>,
     bounds: Option<Bounds>,
@@ -294,7 +225,7 @@ struct Done {
 
 impl Done {
     /// Its bytes go into `attachments` where they are to be attached.
-    fn sent(self, attachments: &mut Attachments) -> MeshItem {
+    pub fn sent(self, attachments: &mut Attachments) -> MeshItem {
         let Self {
             rig,
             wanted,
@@ -338,138 +269,8 @@ fn transforms(posed: &Posed) -> Vec<f32> {
     matrices.flat_map(|matrix| matrix.to_cols_array()).collect()
 }
 
-/// The poses of a batch.
-enum Poses {
-    Each(Vec<Pose>),
-    /// Rows of values laid over one pose.
-    Rows {
-        common: Pose,
-        values: Vec<f64>,
-        dof_count: usize,
-    },
-}
-
-impl Poses {
-    fn count(&self) -> usize {
-        match self {
-            Self::Each(poses) => poses.len(),
-            Self::Rows {
-                values, dof_count, ..
-            } => values.len() / dof_count,
-        }
-    }
-
-    fn at(&self, index: usize) -> Pose {
-        match self {
-            Self::Each(poses) => poses[index].clone(),
-            Self::Rows {
-                common,
-                values,
-                dof_count,
-            } => Pose {
-                dof_values: Some(DofValues::List(
-                    values[index * dof_count..][..*dof_count].to_vec(),
-                )),
-                ..common.clone()
-            },
-        }
-    }
-
-    fn bytes(&self) -> u64 {
-        let bytes = match self {
-            Self::Each(poses) => size_of_val(poses.as_slice()),
-            Self::Rows { values, .. } => size_of_val(values.as_slice()),
-        };
-        bytes as u64
-    }
-
-    /// A fault of a pose is told by its place in the request.
-    fn located(&self, index: usize, fault: Fault) -> Fault {
-        let Fault::InvalidParams { path, message } = fault else {
-            return fault;
-        };
-        match (self, path.strip_prefix("pose")) {
-            (Self::Each(_), Some(rest)) => {
-                Fault::invalid_params(format!("poses[{index}]{rest}"), message)
-            }
-            (Self::Rows { .. }, Some(rest))
-                if rest.is_empty() || rest.starts_with(".dof_values") =>
-            {
-                Fault::invalid_params("dof_values", format!("row {index}: {message}"))
-            }
-            _ => Fault::InvalidParams { path, message },
-        }
-    }
-}
-
-/// The poses of a batch, to be worked out.
-struct MeshItems {
-    call: Call,
-    found: RigRef,
-    poses: Poses,
-    wanted: Arc<Wanted>,
-}
-
-impl Items for MeshItems {
-    type Done = Done;
-    type Sent = MeshItem;
-    const READY: &'static str = "mesh.ready";
-
-    fn count(&self) -> usize {
-        self.poses.count()
-    }
-
-    fn begin(
-        &self,
-        index: usize,
-        terms: Terms,
-        done: impl FnOnce(Result<Done, Fault>) + Send + 'static,
-    ) {
-        match self.call.posed(&self.poses.at(index), &self.found) {
-            Ok((posed, clamped)) => {
-                let clamped = describe::clamped(posed.rig(), &clamped);
-                self.call.skin(&self.wanted, posed, clamped, terms, done);
-            }
-            Err(fault) => done(Err(self.poses.located(index, fault))),
-        }
-    }
-
-    fn bytes(done: &Done) -> u64 {
-        let of_skin = done.skinned.iter().flat_map(|skinned| {
-            let positions = skinned.positions.iter().filter(|_| done.wanted.positions);
-            positions.chain(&skinned.normals)
-        });
-        let of_joints = done.joints.iter().map(Vec::len);
-        let numbers: usize = of_skin.map(|it| it.len()).chain(of_joints).sum();
-        let bytes = 4 * numbers as u64;
-        match done.wanted.transport {
-            ArrayTransport::Attach => bytes,
-            ArrayTransport::Json | ArrayTransport::Base64 => BYTES_PER_BYTE * bytes,
-        }
-    }
-
-    fn sent(done: Done, attachments: &mut Attachments) -> MeshItem {
-        done.sent(attachments)
-    }
-
-    fn ready(request: &Id, index: usize, item: MeshItem) -> impl Serialize {
-        MeshReady {
-            request: request.clone(),
-            index: index as u64,
-            item,
-        }
-    }
-
-    fn result(&self, items: Option<Vec<MeshItem>>) -> impl Serialize {
-        MeshBatch {
-            item_count: self.count() as u64,
-            items,
-        }
-    }
-}
-
 /// What to ask the renderer for.
-fn queries(
+pub(super) fn queries(
     mesh: Option<&str>,
     range: Option<wire::Range>,
     normals: bool,

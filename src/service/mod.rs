@@ -9,6 +9,7 @@ mod describe;
 mod fault;
 mod frame;
 mod mesh;
+mod mesh_batch;
 mod message;
 mod pick;
 mod pose;
