@@ -65,11 +65,3 @@ fn today() -> String {
     let year = year_of_era + 400 * (days / 146_097) + later;
     format!("{year}-{month:02}-{day:02}")
 }
-
-/// Resident memory of this process, in bytes.
-pub fn resident_bytes() -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
-    let kilobytes = line.and_then(|line| line.split_whitespace().next()?.parse::<u64>().ok());
-    1024 * kilobytes.unwrap_or(0)
-}

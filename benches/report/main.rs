@@ -11,6 +11,7 @@ mod growth;
 mod machine;
 mod plot;
 mod poses;
+mod process;
 mod rounds;
 mod scenes;
 mod served;

@@ -52,27 +52,7 @@ impl Daemon {
         count: usize,
         request: impl Fn(usize) -> Vec<u8> + Sync,
     ) -> f64 {
-        let wires: Vec<Wire> = (0..clients).map(|_| Wire::connect(self.address)).collect();
-        let of_each = count.div_ceil(clients);
-        let request = &request;
-        let started = Instant::now();
-        std::thread::scope(|scope| {
-            for (client, mut wire) in wires.into_iter().enumerate() {
-                scope.spawn(move || {
-                    let number = |index: usize| client * of_each + index;
-                    for index in 0..in_flight.min(of_each) {
-                        wire.send(&request(number(index)));
-                    }
-                    for done in 0..of_each {
-                        while wire.receive() == Got::Notification {}
-                        if done + in_flight < of_each {
-                            wire.send(&request(number(done + in_flight)));
-                        }
-                    }
-                });
-            }
-        });
-        started.elapsed().as_secs_f64() / (of_each * clients) as f64
+        ask(self.address, clients, in_flight, count, request)
     }
 
     /// Seconds a picture.
@@ -130,4 +110,35 @@ impl Drop for Daemon {
             let _ = thread.join();
         }
     }
+}
+
+/// Seconds a request, over `count` of them, from so many clients with so many in flight each.
+pub fn ask(
+    address: SocketAddr,
+    clients: usize,
+    in_flight: usize,
+    count: usize,
+    request: impl Fn(usize) -> Vec<u8> + Sync,
+) -> f64 {
+    let wires: Vec<Wire> = (0..clients).map(|_| Wire::connect(address)).collect();
+    let of_each = count.div_ceil(clients);
+    let request = &request;
+    let started = Instant::now();
+    std::thread::scope(|scope| {
+        for (client, mut wire) in wires.into_iter().enumerate() {
+            scope.spawn(move || {
+                let number = |index: usize| client * of_each + index;
+                for index in 0..in_flight.min(of_each) {
+                    wire.send(&request(number(index)));
+                }
+                for done in 0..of_each {
+                    while wire.receive() == Got::Notification {}
+                    if done + in_flight < of_each {
+                        wire.send(&request(number(done + in_flight)));
+                    }
+                }
+            });
+        }
+    });
+    started.elapsed().as_secs_f64() / (of_each * clients) as f64
 }

@@ -2,11 +2,11 @@
 
 use crate::capsule::{Capsule, USUAL};
 use crate::floor::Floor;
-use crate::machine::resident_bytes;
 use crate::poses;
+use crate::process::DaemonProcess;
 use crate::rounds::{Effort, Rounds, Side, Spread};
 use crate::scenes::{Shots, Subject};
-use crate::served::{Batch, Daemon};
+use crate::served::{Batch, Daemon, ask};
 use crate::table::{Outcome, Row, Wanted, digits};
 use crate::wire::{Wire, echo, pings, request};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -64,10 +64,9 @@ impl Wishes<'_> {
             print!("{}", row.line());
             rows.push(row);
         };
-        // First, while nothing large has come and gone in this process.
-        tell(self.memory());
         let capsule = Subject::load(self.daemon.engine(), "capsule", &USUAL.files());
         let figure = Subject::load(self.daemon.engine(), "figure", &rigd::cli::figure());
+        tell(self.memory(&figure));
         for subject in [&capsule, &figure] {
             tell(self.frames(&floor, subject, 1, IN_FLIGHT));
             tell(self.frames(&floor, subject, 8, 1));
@@ -253,21 +252,20 @@ impl Wishes<'_> {
         row(what, Wanted::AtMost(1.05), Unit::Millis, &rounds)
     }
 
-    /// Over one connection, so that no thread is started in between.
-    fn memory(&self) -> Row {
+    /// Of a process of its own, which has `figure` loaded as well; over one connection, so that no thread is started in between.
+    fn memory(&self, figure: &Subject) -> Row {
         const SETTLED: usize = 500;
-        let subject = Subject::load(self.daemon.engine(), "small", &USUAL.files());
+        let daemon = DaemonProcess::start(self.adapter);
         let shots = Shots::new(64, 4);
         let [first, last] = [(); 2].map(|()| AtomicU64::new(0));
-        self.daemon.ask(1, IN_FLIGHT, self.enduring, |index| {
+        ask(daemon.address, 1, IN_FLIGHT, self.enduring, |index| {
             if index == SETTLED {
-                first.store(resident_bytes(), Ordering::Relaxed);
+                first.store(daemon.resident_bytes(), Ordering::Relaxed);
             } else if index == self.enduring - 1 {
-                last.store(resident_bytes(), Ordering::Relaxed);
+                last.store(daemon.resident_bytes(), Ordering::Relaxed);
             }
-            request("frame.render", &shots.params(&subject, index), &[])
+            request("frame.render", &shots.params(figure, index), &[])
         });
-        self.daemon.engine().unload("small").expect("it is loaded");
         let [first, last] = [first, last].map(|bytes| bytes.into_inner() as f64);
         let told = |bytes: f64| format!("{:.1} MiB", bytes / f64::from(1 << 20));
         let ratio = last / first;
