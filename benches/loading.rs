@@ -1,6 +1,6 @@
 //! How fast files become rigs: megabytes a second of the readers, and the time from a file's bytes to a rig that the device has skinned.
 //!
-//! The built-in figure, and, where they lie beside the checkout, characters of the two courses.
+//! The built-in figure, and, where they lie beside the checkout, characters of the two courses and of glTF.
 
 use rigd::engine::{Engine, RendererChoice, Terms, Urgency};
 use rigd::formats::{File, FileRef, Source, load};
@@ -67,6 +67,9 @@ fn characters() -> Vec<Character> {
         Character::real("head, its skin alone", &head[..2]),
         Character::real("wasp with walk", &wasp),
         Character::real("Model1", &model),
+        Character::real("Fox", &["gltf/Fox/Fox.glb"]),
+        Character::real("CesiumMan", &["gltf/CesiumMan/cesium_man.gltf"]),
+        Character::real("BrainStem", &["gltf/BrainStem/BrainStem.glb"]),
     ];
     if real.iter().any(Option::is_none) {
         println!("left out: characters that do not lie in ../shared/rigs");

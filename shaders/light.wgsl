@@ -12,7 +12,41 @@ fn unit_normal(n: vec3<f32>, back_to_eye: vec3<f32>) -> vec3<f32> {
     return select(back_to_eye, n * inverseSqrt(length_squared), length_squared > 0.0);
 }
 
+// The unit normal that a surface is lit by, turned toward the side that is seen. `middle` is the pixel's own, so that its derivatives are
+// the triangle's slope. To be called in uniform control flow.
+fn normal_seen(
+    smooth_normal: vec3<f32>,
+    middle: vec3<f32>,
+    is_front: bool,
+    back_to_eye: vec3<f32>,
+    is_flat: bool,
+) -> vec3<f32> {
+    // Both ways of finding out which side is seen are turned toward the eye, so that skin turned inside out is lit as well.
+    var n = smooth_normal;
+    // Derivatives need uniform control flow, so the flat normal is found in any case.
+    let flat_normal = cross(dpdx(middle), dpdy(middle));
+    if is_flat {
+        n = select(flat_normal, -flat_normal, dot(flat_normal, back_to_eye) < 0.0);
+    } else if !is_front {
+        n = -n;
+    }
+    return unit_normal(n, back_to_eye);
+}
+
+// Of the picture's own surface, which gives off nothing by itself.
 fn blinn_phong(p: vec3<f32>, n: vec3<f32>, back_to_eye: vec3<f32>, diffuse: vec3<f32>) -> vec3<f32> {
+    return clamp(reflected(p, n, back_to_eye, diffuse, view.specular, view.shininess), vec3(0.0), vec3(1.0));
+}
+
+// Not clamped.
+fn reflected(
+    p: vec3<f32>,
+    n: vec3<f32>,
+    back_to_eye: vec3<f32>,
+    diffuse: vec3<f32>,
+    specular: vec3<f32>,
+    shininess: f32,
+) -> vec3<f32> {
     var color = view.ambient * diffuse;
     for (var i = 0u; i < view.light_count; i++) {
         let light = view.lights[i];
@@ -28,9 +62,9 @@ fn blinn_phong(p: vec3<f32>, n: vec3<f32>, back_to_eye: vec3<f32>, diffuse: vec3
             let h = halfway * select(0.0, inverseSqrt(halfway_squared), halfway_squared > 0.0);
             let n_dot_h = max(dot(n, h), 0.0);
             // pow(0, 0) is undefined in WGSL; an exponent of 0 means 1 everywhere.
-            let highlight = select(pow(n_dot_h, view.shininess), 1.0, view.shininess == 0.0);
-            color += light.radiance.rgb / falloff * (diffuse * n_dot_l + view.specular * highlight);
+            let highlight = select(pow(n_dot_h, shininess), 1.0, shininess == 0.0);
+            color += light.radiance.rgb / falloff * (diffuse * n_dot_l + specular * highlight);
         }
     }
-    return clamp(color, vec3(0.0), vec3(1.0));
+    return color;
 }

@@ -66,16 +66,7 @@ fn sampled(texcoord: vec2<f32>) -> vec3<f32> {
 }
 
 fn lit(p: vec3<f32>, smooth_normal: vec3<f32>, middle: vec3<f32>, is_front: bool, diffuse: vec3<f32>) -> vec4<f32> {
-    // Both ways of finding out which side is seen are turned toward the eye, so that skin turned inside out is lit as well.
     let back_to_eye = toward_eye(p);
-    var n = smooth_normal;
-    // Derivatives need uniform control flow, so the flat normal is found in any case.
-    let flat_normal = cross(dpdx(middle), dpdy(middle));
-    if view.flat_normals == 1u {
-        n = select(flat_normal, -flat_normal, dot(flat_normal, back_to_eye) < 0.0);
-    } else if !is_front {
-        n = -n;
-    }
-    n = unit_normal(n, back_to_eye);
+    let n = normal_seen(smooth_normal, middle, is_front, back_to_eye, view.flat_normals == 1u);
     return vec4(blinn_phong(p, n, back_to_eye, diffuse) * view.opacity, view.opacity);
 }

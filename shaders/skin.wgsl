@@ -1,13 +1,17 @@
-// Stage 1, skin. In: bind-space vertices of one mesh, its morph targets and influences, their weights, the palette. Out: positions and
-// normals in world space. Joined with `skin_linear.wgsl` or `skin_dual_quaternion.wgsl`, which know how a palette is blended.
+// Stage 1, skin. In: bind-space vertices of all meshes of a rig, their morph targets and influences, the weights, the palette. Out:
+// positions and normals in world space, of as many vertices in a row as the job says, whichever meshes they are of. Joined with `skin_linear.wgsl` or `skin_dual_quaternion.wgsl`, which know how a palette is blended.
 // CPU twin: `render/cpu/skin.rs`.
 
 struct SkinJob {
+    // Of the rig's vertices, one mesh after another.
+    first_vertex: u32,
     vertex_count: u32,
+    // Of the whole rig.
+    rig_vertex_count: u32,
     // Index of the job's first row in `palette`, and of its first weight in `morph_weights`.
     first_row: u32,
     first_morph_weight: u32,
-    // Indices of the job's first float in `skinned`.
+    // Indices in `skinned` of the first floats that the job writes.
     positions_start: u32,
     normals_start: u32,
 }
@@ -37,7 +41,7 @@ struct Vertex {
 // Three floats a position, then three floats a normal: tightly packed, so that queries copy them and draws read them in place.
 @group(0) @binding(3) var<storage, read_write> skinned: array<f32>;
 
-// Three floats a position of every vertex, then three floats a normal of every vertex.
+// Three floats a position of every vertex of the rig, then three floats a normal of every vertex.
 @group(1) @binding(0) var<storage, read> bind_vertices: array<f32>;
 // Where those of each vertex start, and where the last one's end.
 @group(1) @binding(1) var<storage, read> influence_starts: array<u32>;
@@ -47,20 +51,21 @@ struct Vertex {
 
 @compute @workgroup_size(WORKGROUP)
 fn skin(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    // Large meshes wrap into a second row of workgroups: one dimension ends at 65,535.
-    let vertex = id.y * groups.x * WORKGROUP + id.x;
-    if vertex >= job.vertex_count {
+    // Large rigs wrap into a second row of workgroups: one dimension ends at 65,535.
+    let place = id.y * groups.x * WORKGROUP + id.x;
+    if place >= job.vertex_count {
         return;
     }
+    let vertex = job.first_vertex + place;
     let posed = follow(vertex, morphed(vertex));
-    store_vector(job.positions_start + 3u * vertex, posed.position);
-    store_vector(job.normals_start + 3u * vertex, posed.normal);
+    store_vector(job.positions_start + 3u * place, posed.position);
+    store_vector(job.normals_start + 3u * place, posed.normal);
 }
 
 // The vertex in bind space.
 fn morphed(vertex: u32) -> Vertex {
     let position = bind_vector(3u * vertex);
-    let normal = bind_vector(3u * (job.vertex_count + vertex));
+    let normal = bind_vector(3u * (job.rig_vertex_count + vertex));
     var moved = position;
     var turned = normal;
     for (var i = morph_starts[vertex]; i < morph_starts[vertex + 1u]; i++) {

@@ -30,14 +30,15 @@
 //! | `rayon` | [`engine`] [`render::cpu`] |
 //! | `fearless_simd` | [`render::cpu`] |
 //! | `image` | [`encode`] [`formats`] |
-//! | `cap_std` `sha2` | [`formats`] |
-//! | `serde_path_to_error` `strsim` `schemars` `base64_simd` | [`protocol`] |
-//! | `serde` `serde_json` | [`protocol`] [`service`] [`client`] [`cli`] |
+//! | `cap_std` `sha2` `gltf_json` | [`formats`] |
+//! | `strsim` `schemars` | [`protocol`] |
+//! | `base64_simd` `serde_path_to_error` | [`protocol`] [`formats`] |
+//! | `serde` `serde_json` | [`protocol`] [`service`] [`client`] [`cli`] [`formats`] |
 //! | `memory_stats` | [`service`] |
 //! | `clap` `anyhow` `indicatif` `signal_hook` | [`cli`] |
 //! | `std::net` | [`server`] [`client`] |
 //! | `std::fs` | [`formats`] [`cli`] |
-//! | `libm` | [`pose`] [`scene`] [`rig`] [`render::cpu`] |
+//! | `libm` | [`pose`] [`scene`] [`rig`] [`formats`] [`render::cpu`] |
 //!
 //! `glam` and `thiserror` are at home everywhere.
 //!

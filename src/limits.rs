@@ -83,6 +83,8 @@ limits! {
     keys: 8 << 20,
     /// Bytes of the files of one rig, what they refer to included.
     rig_file_bytes: 256 << 20,
+    /// Bytes of the JSON of one glTF document. Parsed, it may take fifty times as much.
+    document_bytes: 32 << 20,
     /// Bytes of memory that all loaded rigs may take, as estimated when each is loaded.
     rig_bytes: 4 << 30,
     /// Loaded rigs.

@@ -1,17 +1,20 @@
 //! Does drawing ask for memory once it is warm? rigd's own renderer keeps its room from picture to picture.
 
+mod support;
+
 use allocation_counter::{AllocationInfo, measure};
 use rigd::formats::{self, Source};
 use rigd::limits::Limits;
 use rigd::pose::{Pose, PoseEdit, Posed, Skinning};
 use rigd::render::cpu::{Cores, Cpu, Spread};
 use rigd::render::{Outputs, Plan};
-use rigd::rig::Rig;
+use rigd::rig::{Material, Opacity, Rig};
 use rigd::scene::{
     Background, Bounds, Camera, Color, Cull, Light, Orbit, Samples, Scene, Show, ShowNormals,
     ShowSkeleton, ShowSkin, Size, Surface,
 };
 use std::sync::Arc;
+use support::quads::{Quad, painted, quad, scene};
 
 /// The figure in another pose each time, in pictures of several sizes and kinds.
 fn plan(rig: &Arc<Rig>, index: usize) -> Plan {
@@ -75,5 +78,58 @@ fn a_warm_renderer_asks_for_no_memory() {
     for (index, plan) in plans.iter().enumerate() {
         let warm = allocations(&cpu, plan);
         assert_eq!(warm.count_total, 0, "picture {index}: {warm:?}");
+    }
+}
+
+#[test]
+fn neither_does_it_for_coats() {
+    let pane = Material {
+        opacity: Opacity::Blend,
+        ..painted([1.0, 0.5, 0.2, 0.5])
+    };
+    let mask = Material {
+        opacity: Opacity::Mask(0.5),
+        ..painted([1.0; 4])
+    };
+    let draft = support::quads::draft(&[quad(mask), quad(pane), quad(painted([0.5; 4]))]);
+    let plan = support::quads::plan(draft, scene([200, 100], Samples::Four));
+    let cpu = Cpu::default();
+    assert!(allocations(&cpu, &plan).count_total > 10);
+    let warm = allocations(&cpu, &plan);
+    assert_eq!(warm.count_total, 0, "{warm:?}");
+}
+
+#[test]
+fn neither_does_it_for_many_parts_that_blend() {
+    let pane = |index| Quad {
+        z: 0.001 * (index % 70) as f32,
+        ..quad(blending())
+    };
+    let panes: Vec<Quad> = (0..200).map(pane).collect();
+    let draft = support::quads::draft(&panes);
+    let plan = support::quads::plan(draft, scene([100, 50], Samples::Four));
+    let cpu = Cpu::default();
+    assert!(allocations(&cpu, &plan).count_total > 10);
+    let warm = allocations(&cpu, &plan);
+    assert_eq!(warm.count_total, 0, "{warm:?}");
+}
+
+#[test]
+fn what_blends_over_all_of_a_picture_asks_for_little() {
+    let mut draft = support::quads::draft(&[quad(blending())]);
+    let count = 1000;
+    let mesh = &mut draft.meshes[0];
+    mesh.triangles = mesh.triangles.repeat(count);
+    mesh.parts[0].triangle_count *= count;
+    let plan = support::quads::plan(draft, scene([64, 64], Samples::Four));
+    let cold = allocations(&Cpu::default(), &plan);
+    // Some four million pixels are laid over each other; each kept, they would be 32 MiB.
+    assert!(cold.bytes_max < 4 << 20, "{cold:?}");
+}
+
+fn blending() -> Material {
+    Material {
+        opacity: Opacity::Blend,
+        ..painted([1.0, 0.5, 0.2, 0.5])
     }
 }

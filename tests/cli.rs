@@ -279,7 +279,7 @@ fn files_are_inspected_without_graphics() {
     let tree = text(&rigd(&["inspect"]).stdout);
     for line in [
         "meshes\n└─ mesh_0: 5961 vertices, 9914 triangles, material skin, texture coordinates\n",
-        "joints\n└─ pelvis\n   │   .tx = 0.0000\n",
+        "joints\n└─ pelvis\n   │   .tx .ty .tz = 0.0000 0.0000 0.0000\n",
         "   ├─ spine\n   │  │   .rx = -2.0°  in -20.0° .. 40.0°\n",
     ] {
         assert!(tree.contains(line), "{line}\nis not in\n{tree}");

@@ -108,8 +108,12 @@ fn drawn(camera: Camera, triangles: &[[DVec3; 3]]) -> Vec<u8> {
         camera,
         lights: Vec::new(),
         ambient: Color::WHITE,
-        surface: Surface::new(Some(Color::WHITE), Color::constant(0.0, 0.0, 0.0), 1.0)
-            .expect("a surface"),
+        surface: Surface::new(
+            Some(Color::WHITE),
+            Some(Color::constant(0.0, 0.0, 0.0)),
+            Some(1.0),
+        )
+        .expect("a surface"),
         background: Background::new([0.0, 0.0, 0.0, 1.0]).expect("black"),
         show: Show::default(),
         cull: Cull::Auto,

@@ -5,30 +5,11 @@ mod support;
 
 use rigd::service::Service;
 use serde_json::{Value, json};
-use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
-use support::pictures::{
-    Image, Mismatch, Tolerance, ask_attached, attached_bytes, difference, draw, matches, over,
-};
-use support::suite::{base, load_corners, suite};
+use support::alike::{self, ALIKE, SHARE_OF_ALL, is_on_an_edge};
+use support::pictures::{Image, Mismatch, ask_attached, attached_bytes, draw, matches, over};
+use support::suite::{base, load_corners, load_reed, suite};
 use support::{ask_ok, note};
-
-/// Rounding to 8 bits may fall either way. What is further off lies on edges, where one sample may go to the other side: of four, white
-/// over black, that is linear 0.25, which is 137 in sRGB.
-/// Over all pictures one channel in a thousand may be; a single picture that is all edges has more.
-const ALIKE: Tolerance = Tolerance {
-    channel: 1,
-    share: 0.004,
-    most: 140,
-};
-
-const SHARE_OF_ALL: f64 = 0.001;
-
-/// Off edges no channel differs by more than this: over triangles seen from their edge float32 runs short.
-const SLIVERS: u8 = 3;
-
-/// With one sample a pixel on an edge is one color or the other.
-const ONE_SAMPLE: Tolerance = Tolerance { most: 255, ..ALIKE };
 
 /// Share of a position or normal: a few steps of float32, summed in another order.
 const VERTICES: f32 = 1e-5;
@@ -40,6 +21,7 @@ static TWINS: LazyLock<Option<[Arc<Service>; 2]>> = LazyLock::new(|| {
         support::service_on("llvmpipe")?,
     ];
     twins.iter().for_each(load_corners);
+    twins.iter().for_each(load_reed);
     Some(twins)
 });
 
@@ -54,63 +36,9 @@ fn drawn(twins: &[Arc<Service>; 2], name: &str, request: &Value) -> [Image; 2] {
     images
 }
 
-/// Writes both pictures and their difference, side by side, for somebody to look at.
-fn keep(name: &str, [own, wgpu]: &[Image; 2]) -> PathBuf {
-    let sides = [own, wgpu, &difference(own, wgpu)];
-    let rows = (0..own.height).flat_map(|y| {
-        let row = move |image: &Image| -> Vec<[u8; 4]> {
-            (0..own.width).map(|x| image.at(x, y)).collect()
-        };
-        sides.map(row).concat()
-    });
-    let pixels: Vec<[u8; 4]> = rows.collect();
-    let image = Image::from_bytes([3 * own.width, own.height], pixels.as_flattened());
-    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR"))
-        .join("twins")
-        .join(format!("{name}.png"));
-    image.write(&path);
-    path
-}
-
-/// What differs by more than rounding lies on edges: in either picture some pixel around it is of quite another color.
-fn is_on_an_edge(image: &Image, x: usize, y: usize) -> bool {
-    let here = image.at(x, y);
-    let around = |at: usize, side: usize| at.saturating_sub(1)..=(at + 1).min(side - 1);
-    around(y, image.height)
-        .flat_map(|y| around(x, image.width).map(move |x| (x, y)))
-        .any(|(x, y)| (0..4).any(|i| image.at(x, y)[i].abs_diff(here[i]) > 4))
-}
-
 fn compare(twins: &[Arc<Service>; 2], name: &str, request: &Value) -> (usize, usize) {
     let images = drawn(twins, name, request);
-    let path = keep(name, &images);
-    let [own, wgpu] = &images;
-    let tolerance = if request["samples"] == 1 {
-        ONE_SAMPLE
-    } else {
-        ALIKE
-    };
-    if let Err(mismatch) = matches(wgpu, own, tolerance) {
-        panic!("{name}: {mismatch:?}; see {}", path.display());
-    }
-    let mut off = 0;
-    for (x, y, pixel) in own.iter() {
-        let other = wgpu.at(x, y);
-        let differing = (0..4)
-            .filter(|&i| pixel[i].abs_diff(other[i]) > ALIKE.channel)
-            .count();
-        off += differing;
-        let most = (0..4).map(|i| pixel[i].abs_diff(other[i])).max();
-        if most > Some(SLIVERS) {
-            let explained = is_on_an_edge(own, x, y) || is_on_an_edge(wgpu, x, y);
-            assert!(
-                explained,
-                "{name}: {pixel:?} is not {other:?} at {x},{y}, off any edge; see {}",
-                path.display()
-            );
-        }
-    }
-    (off, 4 * own.pixels.len())
+    alike::compare(name, &images, request["samples"] == 1)
 }
 
 /// What the suite of small pictures leaves out: size, one sample, cameras in the midst of things, lights of every kind at once.

@@ -19,7 +19,7 @@ use crate::limits::Limits;
 use crate::pick::{self, Hit, Targets};
 use crate::pose::{Clamped, Pose, PoseEdit, Posed, Skinning};
 use crate::render::{self, Capabilities, Outputs, Plan};
-use crate::scene::{BoneRadius, Ray, Scene, Shape, VertexQuery};
+use crate::scene::{BoneRadius, Cull, Ray, Scene, Shape, VertexQuery};
 use pool::Pool;
 use std::num::NonZeroUsize;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -51,6 +51,8 @@ pub struct PickQuery {
     pub bone_radius: Option<BoneRadius>,
     /// The form of the skin that can be met, if any of it can.
     pub skin: Option<Shape>,
+    /// Whether the backs of single-sided skin can be met as well.
+    pub cull: Cull,
 }
 
 /// On what terms a job is taken on.
@@ -285,6 +287,7 @@ impl Engine {
             bones,
             bone_radius,
             skin,
+            cull,
         } = query;
         let pick = move |posed: &Posed, meshes: Option<&[SkinnedVertices]>| {
             let targets = Targets {
@@ -292,8 +295,10 @@ impl Engine {
                     posed,
                     radius: bone_radius,
                 }),
-                skin: meshes.map(|meshes| pick::Skin {
-                    rig: posed.rig(),
+                skin: meshes.zip(skin).map(|(meshes, shape)| pick::Skin {
+                    posed,
+                    shape,
+                    cull,
                     meshes,
                 }),
             };

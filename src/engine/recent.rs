@@ -41,20 +41,12 @@ mod tests {
     use super::*;
     use crate::limits::Limits;
     use crate::pose::PoseEdit;
-    use crate::rig::{Draft, JointDraft, Limit, RotationOrder};
-    use glam::DVec3;
+    use crate::rig::{Draft, JointDraft};
 
     #[test]
     fn a_pose_in_hand_is_not_worked_out_again() {
         let joint = JointDraft {
-            name: String::new(),
-            parent: None,
-            offset: DVec3::ZERO,
-            rotation_order: RotationOrder::Zyx,
-            rest_angles: DVec3::ZERO,
-            rotation_limits: [Limit::NONE; 3],
-            translates: false,
-            bounding_box: None,
+            ..JointDraft::default()
         };
         let draft = Draft {
             joints: vec![joint],

@@ -7,13 +7,16 @@ use super::cse169::skel;
 use super::cse169::skin::{self, BoundTo, SkinMaterial};
 use super::error::LoadError;
 use super::files::{Files, Gathered};
+use super::gltf;
 use super::mit;
 use super::mit::attach::AttachedTo;
 use super::parts::Parts;
 use super::recognise::{Kind, stem};
 use super::textures::Textures;
 use crate::limits::Limits;
-use crate::rig::{BindingDraft, Draft, Material, MeshDraft, Warnings};
+use crate::rig::{
+    BindPose, BindingDraft, Draft, Material, MeshDraft, PartDraft, TexturePlace, Warnings,
+};
 
 /// Meshes, morph targets and clips stand in the draft as their files stand in `parts`.
 ///
@@ -25,6 +28,9 @@ pub(super) fn assemble(
     limits: &Limits,
     warnings: Warnings,
 ) -> Result<Draft, LoadError> {
+    if let Some(document) = &parts.document {
+        return gltf::read(document, files, limits, warnings);
+    }
     let draft = Draft {
         warnings,
         ..Draft::default()
@@ -87,8 +93,13 @@ impl Assembly<'_, '_> {
         let material = skin
             .material
             .map(|material| self.add_material(file, material));
-        let mut mesh = MeshDraft {
+        let part = PartDraft {
+            triangle_count: skin.mesh.triangles.len(),
             material: material.transpose()?,
+            is_flat: false,
+        };
+        let mut mesh = MeshDraft {
+            parts: vec![part],
             ..skin.mesh
         };
         if self.draft.joints.is_empty() {
@@ -99,7 +110,7 @@ impl Assembly<'_, '_> {
             let bindings = skin.bindings.into_iter().enumerate();
             let bindings = bindings.map(|(joint, bind_from_joint)| BindingDraft {
                 joint: Some(joint),
-                bind_from_joint,
+                stood: BindPose::BindFromJoint(bind_from_joint),
             });
             self.add_bindings(bindings.collect(), &mut mesh);
         }
@@ -119,8 +130,8 @@ impl Assembly<'_, '_> {
             None => None,
         };
         self.draft.materials.push(Material {
-            name: material.name,
-            texture,
+            texture: texture.map(TexturePlace::plain),
+            ..Material::named(material.name)
         });
         Ok(self.draft.materials.len() - 1)
     }

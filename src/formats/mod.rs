@@ -6,6 +6,7 @@ mod cse169;
 mod digest;
 mod error;
 mod files;
+mod gltf;
 mod lexer;
 mod mit;
 mod parts;
@@ -36,6 +37,7 @@ pub const FORMATS: &[&str] = &[
     "mit6837 skel",
     "obj",
     "mit6837 attach",
+    "gltf",
 ];
 
 /// A file as a request names it.
@@ -90,7 +92,7 @@ pub fn load(files: &[FileRef], source: &Source, limits: &Limits) -> Result<Loade
 
 /// What the readers let through and the rig refuses all the same: told of the file it most likely came from.
 fn told(error: RigError, parts: &Parts) -> LoadError {
-    let skeleton = parts.skeleton.as_ref();
+    let skeleton = parts.skeleton.as_ref().or(parts.document.as_ref());
     let of_mesh = |mesh: usize| parts.meshes.get(mesh);
     // Where an OBJ is bound is said by the skeleton.
     let says_bindings = of_mesh(0).filter(|mesh| mesh.kind != Kind::Obj);
@@ -101,10 +103,9 @@ fn told(error: RigError, parts: &Parts) -> LoadError {
         RigError::NotFinite { mesh, .. } => mesh.and_then(of_mesh),
         RigError::VertexTwice { morph, .. } => parts.morphs.get(morph),
         RigError::NoSuchDof { clip } | RigError::KeysOutOfOrder { clip } => parts.clips.get(clip),
-        RigError::Empty
-        | RigError::ParentNotBefore { .. }
-        | RigError::SecondRoot { .. }
-        | RigError::LimitReversed { .. } => skeleton,
+        RigError::Empty | RigError::ParentNotBefore { .. } | RigError::LimitReversed { .. } => {
+            skeleton
+        }
     };
     let name = file
         .or(skeleton)

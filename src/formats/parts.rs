@@ -22,6 +22,8 @@ pub(super) struct Parts {
     pub attachments: Option<Arc<Gathered>>,
     pub morphs: Vec<Arc<Gathered>>,
     pub clips: Vec<Arc<Gathered>>,
+    /// All of a rig in one.
+    pub document: Option<Arc<Gathered>>,
 }
 
 impl Parts {
@@ -52,6 +54,7 @@ impl Parts {
             let found = first.kind.described(&first.bytes);
             return Err(FileFault::whole(&first.name, recognise::EXPECTED, found).into());
         }
+        parts.check_document()?;
         parts.check_morphs()?;
         parts.check_clips()?;
         parts.check_attachments()?;
@@ -74,6 +77,7 @@ impl Parts {
             Kind::Cse169Anim => self.clips.push(file),
             Kind::Cse169Rig => put_once(&mut self.list, file, "one `.rig` in a request")?,
             Kind::MitAttach => put_once(&mut self.attachments, file, "one `.attach` in the rig")?,
+            Kind::Gltf => put_once(&mut self.document, file, "one glTF document in the rig")?,
             Kind::Unsupported(_) | Kind::Other => {}
         }
         Ok(())
@@ -85,12 +89,31 @@ impl Parts {
 
     /// Every file in it.
     pub(super) fn all(&self) -> impl Iterator<Item = &Arc<Gathered>> {
-        let alone = [&self.list, &self.skeleton, &self.attachments];
+        let alone = [
+            &self.list,
+            &self.skeleton,
+            &self.attachments,
+            &self.document,
+        ];
         let many = [&self.meshes, &self.morphs, &self.clips];
         alone
             .into_iter()
             .flatten()
             .chain(many.into_iter().flatten())
+    }
+
+    fn check_document(&self) -> Result<(), FileFault> {
+        let Some(document) = &self.document else {
+            return Ok(());
+        };
+        match self.all().find(|file| !Arc::ptr_eq(file, document)) {
+            Some(other) => {
+                let found = format!("`{}`, {}", other.name, other.kind.described(&other.bytes));
+                let expected = "no other rig file beside a glTF document";
+                Err(FileFault::whole(&document.name, expected, found))
+            }
+            None => Ok(()),
+        }
     }
 
     fn check_morphs(&self) -> Result<(), FileFault> {

@@ -25,33 +25,61 @@ impl From<image::ImageError> for BadPicture {
     }
 }
 
-/// BMP or PNG, told apart by content. Alpha is dropped: surfaces are opaque.
-pub(super) fn decode(encoded: &[u8], limits: &Limits) -> Result<TextureLevel, BadPicture> {
-    let reader = || ImageReader::new(Cursor::new(encoded)).with_guessed_format();
-    let undecodable = |error: std::io::Error| BadPicture::Undecodable(error.to_string());
-    let first = reader().map_err(undecodable)?;
-    if first.format().is_none() {
+/// What becomes of a picture's alpha.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Alpha {
+    Keep,
+    /// All is opaque.
+    Drop,
+}
+
+/// Width and height, neither of them 0, of a picture that may be decoded: BMP, PNG or JPEG, told apart by content.
+pub(super) fn dimensions(encoded: &[u8], limits: &Limits) -> Result<[u32; 2], BadPicture> {
+    let reader = reader(encoded)?;
+    if reader.format().is_none() {
         return Err(BadPicture::Undecodable(
-            "it is neither a BMP nor a PNG picture".to_owned(),
+            "it is neither a BMP nor a PNG nor a JPEG picture".to_owned(),
         ));
     }
-    // Asked before anything of that size is allocated.
-    let (width, height) = first.into_dimensions()?;
+    let (width, height) = reader.into_dimensions()?;
     limits.side(width.max(height))?;
     limits.pixels(u64::from(width) * u64::from(height))?;
     if width == 0 || height == 0 {
         return Err(BadPicture::Undecodable("it has no pixels".to_owned()));
     }
-    let mut reader = reader().map_err(undecodable)?;
+    Ok([width, height])
+}
+
+fn reader(encoded: &[u8]) -> Result<ImageReader<Cursor<&[u8]>>, BadPicture> {
+    let reader = ImageReader::new(Cursor::new(encoded)).with_guessed_format();
+    reader.map_err(|error| BadPicture::Undecodable(error.to_string()))
+}
+
+/// As [`dimensions`] allows.
+pub(super) fn decode(
+    encoded: &[u8],
+    alpha: Alpha,
+    limits: &Limits,
+) -> Result<TextureLevel, BadPicture> {
+    // Asked before anything of that size is allocated.
+    let [width, height] = dimensions(encoded, limits)?;
+    let mut reader = reader(encoded)?;
     let mut ceilings = image::Limits::default();
     // Sixteen bits of four channels, and as much again for the decoder's own needs.
     ceilings.max_alloc = Some(2 * 8 * limits.pixels);
     reader.limits(ceilings);
-    let rgb = reader.decode()?.into_rgb8();
-    let texels = rgb
-        .pixels()
-        .map(|pixel| [pixel[0], pixel[1], pixel[2], 255])
-        .collect();
+    let decoded = reader.decode()?;
+    let texels = match alpha {
+        Alpha::Keep => decoded.into_rgba8().pixels().map(|pixel| pixel.0).collect(),
+        Alpha::Drop => {
+            let opaque = |[r, g, b]: [u8; 3]| [r, g, b, 255];
+            decoded
+                .into_rgb8()
+                .pixels()
+                .map(|pixel| opaque(pixel.0))
+                .collect()
+        }
+    };
     Ok(TextureLevel {
         width,
         height,
@@ -77,7 +105,8 @@ mod tests {
     #[test]
     fn both_formats_come_out_from_the_top_and_opaque() {
         for format in [ImageFormat::Bmp, ImageFormat::Png] {
-            let level = decode(&encoded(format), &Limits::default()).expect("it can be decoded");
+            let level = decode(&encoded(format), Alpha::Drop, &Limits::default())
+                .expect("it can be decoded");
             assert_eq!((level.width, level.height), (3, 2));
             assert_eq!(level.texels[1], [100, 0, 7, 255], "{format:?}");
             assert_eq!(level.texels[3], [0, 200, 7, 255], "{format:?}");
@@ -86,7 +115,8 @@ mod tests {
 
     #[test]
     fn what_is_no_picture_or_too_large_says_so() {
-        let bad = |bytes: &[u8]| decode(bytes, &Limits::default()).expect_err("it is bad");
+        let bad =
+            |bytes: &[u8]| decode(bytes, Alpha::Drop, &Limits::default()).expect_err("it is bad");
         assert!(
             matches!(bad(b"positions 3 {"), BadPicture::Undecodable(reason) if reason.contains("neither"))
         );
@@ -97,7 +127,7 @@ mod tests {
             ..Limits::default()
         };
         assert!(
-            matches!(decode(&png, &limits), Err(BadPicture::Limit(exceeded)) if exceeded.limit == "pixels")
+            matches!(decode(&png, Alpha::Drop, &limits), Err(BadPicture::Limit(exceeded)) if exceeded.limit == "pixels")
         );
     }
 }

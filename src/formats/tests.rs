@@ -2,7 +2,7 @@
 
 use super::{FORMATS, File, FileRef, LoadError, Loaded, Source, load};
 use crate::limits::Limits;
-use crate::rig::{Rig, RotationOrder};
+use crate::rig::{Channel, Rig, RotationOrder};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -64,8 +64,10 @@ fn a_whole_character_comes_in_any_order_of_files() {
         let rig = loaded.rig;
         assert_eq!((rig.meshes().len(), rig.clips().len()), (1, 1));
         assert_eq!(rig.clips()[0].name, "wave");
-        let channel = &rig.clips()[0].channels[0];
-        assert_eq!(rig.dofs().all()[channel.dof].name, "a.tx");
+        let Channel::Dof { dof, .. } = rig.clips()[0].channels[0] else {
+            panic!("every channel sets a DOF");
+        };
+        assert_eq!(rig.dofs().all()[dof].name, "a.tx");
         let smile = rig.morphs().iter().position(|morph| morph.name == "smile");
         let of_tip = rig.meshes()[0].morph_displacements_of(2);
         assert_eq!(of_tip.len(), 1);
@@ -271,10 +273,8 @@ fn a_picture_is_decoded_once_and_weighed_before_the_rig_is() {
     ];
     let rig = load_files(&files).expect("all are there").rig;
     let texture = |index: usize| {
-        rig.materials()[index]
-            .texture
-            .as_ref()
-            .expect("it is there")
+        let place = rig.materials()[index].texture.as_ref();
+        &place.expect("it is there").texture
     };
     assert!(Arc::ptr_eq(texture(0), texture(1)));
     assert!(!Arc::ptr_eq(texture(0), texture(2)));
@@ -301,5 +301,9 @@ fn every_reader_is_told_of() {
     let cse169 = load_files(&files).expect("it is whole").dialects;
     let files = [("a.attach", ATTACH), ("a.obj", OBJ), ("a.skel", MIT_SKEL)];
     let mit6837 = load_files(&files).expect("it is whole").dialects;
-    assert_eq!([cse169, mit6837].concat(), FORMATS);
+    let text = r#"{"asset": {"version": "2.0"}, "nodes": [{}]}"#;
+    let gltf = load_files(&[("a.gltf", text)])
+        .expect("it is whole")
+        .dialects;
+    assert_eq!([cse169, mit6837, gltf].concat(), FORMATS);
 }

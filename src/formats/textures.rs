@@ -3,11 +3,11 @@
 use super::cse169::skin::TextureName;
 use super::error::{LoadError, quoted};
 use super::files::{Files, Gathered};
-use super::pictures::{self, BadPicture};
+use super::pictures::{self, Alpha, BadPicture};
 use super::recognise::{Kind, base_name};
 use super::source::Denied;
 use crate::limits::Limits;
-use crate::rig::{Texture, Warnings};
+use crate::rig::{Encoding, Texture, Warnings};
 use std::sync::Arc;
 
 pub(super) struct Textures<'a> {
@@ -64,9 +64,9 @@ impl<'a> Textures<'a> {
         if let Some((_, texture)) = decoded.find(|(of, _)| Arc::ptr_eq(of, &file)) {
             return Ok(texture.clone());
         }
-        let level = pictures::decode(&file.bytes, self.limits)?;
+        let level = pictures::decode(&file.bytes, Alpha::Drop, self.limits)?;
         let name = base_name(&file.name).to_owned();
-        let texture = Arc::new(Texture::new(name, level));
+        let texture = Arc::new(Texture::new(name, Encoding::Srgb, level));
         // A small file can hold many pixels, and a request many such files: memory must not be full before the rig is weighed.
         self.bytes += texture.memory_bytes() as u64;
         self.limits.rig_bytes(self.bytes)?;

@@ -6,8 +6,7 @@ mod skin;
 
 use crate::frame::SkinnedVertices;
 use crate::pose::Posed;
-use crate::rig::Rig;
-use crate::scene::{BoneRadius, Ray};
+use crate::scene::{BoneRadius, Cull, Ray, Shape};
 use glam::DVec3;
 
 /// What a ray may meet; what is `None` is not asked for.
@@ -28,7 +27,10 @@ pub struct Bones<'a> {
 /// The triangles of a rig, its vertices where a renderer put them.
 #[derive(Debug, Clone, Copy)]
 pub struct Skin<'a> {
-    pub rig: &'a Rig,
+    pub posed: &'a Posed,
+    pub shape: Shape,
+    /// Whether the backs of single-sided materials are met as well.
+    pub cull: Cull,
     /// All vertices of each mesh of the rig, in its order. Where positions are left out there is nothing to meet; where normals are,
     /// triangles count as flat.
     pub meshes: &'a [SkinnedVertices],
@@ -55,7 +57,7 @@ pub enum What {
         along: f64,
     },
     Skin {
-        /// Index into [`Rig::meshes`].
+        /// Index into [`Rig::meshes`](crate::rig::Rig::meshes).
         mesh: usize,
         /// Index into [`Mesh::triangles`](crate::rig::Mesh::triangles).
         triangle: usize,
@@ -68,7 +70,8 @@ pub enum What {
     },
 }
 
-/// The nearest of what is asked for, between [`Ray::from`] and [`Ray::to`]. Everything has two sides: from inside, the far wall is met. At
+/// The nearest of what is asked for, between [`Ray::from`] and [`Ray::to`]. Everything but single-sided skin has two
+/// sides: from inside, the far wall is met. At
 /// the same distance skin comes before bones, and among bones or triangles the first in the rig's order.
 pub fn pick(ray: &Ray, targets: &Targets) -> Option<Hit> {
     let skin = targets.skin.and_then(|skin| skin::nearest(ray, skin));

@@ -6,8 +6,8 @@
 
 use super::{Hit, Skin, What};
 use crate::frame::SkinnedVertices;
-use crate::rig::{Influence, Mesh, Rig};
-use crate::scene::Ray;
+use crate::rig::{Influence, Mesh, Part, Rig, Sides};
+use crate::scene::{Cull, Ray, Shape};
 use glam::{DMat3, DVec3, Vec3};
 use std::collections::BTreeMap;
 
@@ -15,15 +15,21 @@ pub(super) fn nearest(ray: &Ray, skin: Skin) -> Option<Hit> {
     let ray_space = RaySpace::new(ray);
     let mut reach = *ray;
     let mut nearest = None;
-    for (index, (mesh, vertices)) in skin.rig.meshes().iter().zip(skin.meshes).enumerate() {
+    let rig = skin.posed.rig();
+    for (index, (mesh, vertices)) in rig.meshes().iter().zip(skin.meshes).enumerate() {
         let Some(positions) = vertices.positions.as_deref() else {
             continue;
         };
         let (positions, _) = positions.as_chunks();
-        if let Some(met) = ray_space.nearest(&reach, mesh.triangles(), positions) {
-            // Of the meshes after this one only what is nearer still counts.
-            reach.to = met.distance.next_down();
-            nearest = Some((index, mesh, vertices, met));
+        for part in mesh.parts() {
+            let triangles = &mesh.triangles()[part.triangles.clone()];
+            let side = side_met(&skin, mesh, part);
+            if let Some(met) = ray_space.nearest(&reach, triangles, positions, side) {
+                // Of those after this one only what is nearer still counts.
+                reach.to = met.distance.next_down();
+                let triangle = part.triangles.start + met.triangle;
+                nearest = Some((index, mesh, vertices, Met { triangle, ..met }));
+            }
         }
     }
     let (index, mesh, vertices, met) = nearest?;
@@ -35,9 +41,29 @@ pub(super) fn nearest(ray: &Ray, skin: Skin) -> Option<Hit> {
             triangle: met.triangle,
             barycentric: met.barycentric,
             normal: normal(ray, mesh, vertices, &met),
-            joint: heaviest_joint(skin.rig, mesh, &met),
+            joint: heaviest_joint(rig, mesh, &met),
         },
     })
+}
+
+/// From where the triangles of a part are met.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Any,
+    /// From where their corners run counter-clockwise in the file's winding.
+    Front,
+    Back,
+}
+
+fn side_met(skin: &Skin, mesh: &Mesh, part: &Part) -> Side {
+    let is_single_sided = matches!(part.sides, Sides::Front { .. });
+    if !is_single_sided || skin.cull == Cull::Never {
+        Side::Any
+    } else if skin.shape == Shape::Posed && skin.posed.mirrors(mesh) {
+        Side::Back
+    } else {
+        Side::Front
+    }
 }
 
 /// Where a ray meets a triangle of a mesh.
@@ -69,7 +95,13 @@ impl RaySpace {
         }
     }
 
-    fn nearest(&self, reach: &Ray, triangles: &[[u32; 3]], positions: &[[f32; 3]]) -> Option<Met> {
+    fn nearest(
+        &self,
+        reach: &Ray,
+        triangles: &[[u32; 3]],
+        positions: &[[f32; 3]],
+        side: Side,
+    ) -> Option<Met> {
         let mut reach = *reach;
         let mut nearest = None;
         for (triangle, corners) in triangles.iter().enumerate() {
@@ -86,6 +118,15 @@ impl RaySpace {
             let area_vector = area_vector(corners);
             // Rounding can make a needle of what is a line in the file; it has no side to be seen from.
             if area_vector == DVec3::ZERO {
+                continue;
+            }
+            let toward_us = -area_vector.dot(reach.direction);
+            let is_met = match side {
+                Side::Any => true,
+                Side::Front => toward_us > 0.0,
+                Side::Back => toward_us < 0.0,
+            };
+            if !is_met {
                 continue;
             }
             reach.to = distance.next_down();
@@ -272,7 +313,7 @@ mod tests {
     fn no_ray_slips_into_or_out_of_a_closed_surface() {
         let (positions, triangles) = ball(3);
         let corners: Vec<[f32; 3]> = positions.iter().map(Vec3::to_array).collect();
-        let met = |ray: &Ray| RaySpace::new(ray).nearest(ray, &triangles, &corners);
+        let met = |ray: &Ray| RaySpace::new(ray).nearest(ray, &triangles, &corners, Side::Any);
         let mut random = Random::new(2);
         // Corners, edges cut at exact and inexact points, and the inside of triangles, as seen from without and from within.
         let mut aims = Vec::new();

@@ -5,7 +5,7 @@ use super::*;
 use crate::frame::Pooled;
 use crate::limits::Limits;
 use crate::pose::Pose;
-use crate::rig::{BindingDraft, Draft, JointDraft, Limit, MeshDraft, RotationOrder};
+use crate::rig::{BindPose, BindingDraft, Draft, JointDraft, MeshDraft, Rig};
 use glam::{DAffine3, DMat3, Vec3};
 use std::sync::Arc;
 
@@ -34,20 +34,15 @@ fn mesh(positions: &[Vec3], triangles: &[[u32; 3]]) -> MeshDraft {
 }
 
 /// Three joints in a column, 2 apart, and these meshes.
-fn rig(meshes: Vec<MeshDraft>, bindings: &[Option<usize>]) -> Rig {
+fn rig(meshes: Vec<MeshDraft>, bindings: &[Option<usize>]) -> Arc<Rig> {
     let joint = |index: usize| JointDraft {
-        name: String::new(),
         parent: index.checked_sub(1),
         offset: DVec3::Y * if index == 0 { 0.0 } else { 2.0 },
-        rotation_order: RotationOrder::Zyx,
-        rest_angles: DVec3::ZERO,
-        rotation_limits: [Limit::NONE; 3],
-        translates: false,
-        bounding_box: None,
+        ..JointDraft::default()
     };
     let binding = |&joint: &Option<usize>| BindingDraft {
         joint,
-        bind_from_joint: DAffine3::IDENTITY,
+        stood: BindPose::BindFromJoint(DAffine3::IDENTITY),
     };
     let draft = Draft {
         joints: (0..3).map(joint).collect(),
@@ -55,7 +50,7 @@ fn rig(meshes: Vec<MeshDraft>, bindings: &[Option<usize>]) -> Rig {
         bindings: bindings.iter().map(binding).collect(),
         ..Draft::default()
     };
-    draft.build(&Limits::default()).expect("a valid draft")
+    Arc::new(draft.build(&Limits::default()).expect("a valid draft"))
 }
 
 fn flat(vectors: &[Vec3]) -> Option<Pooled<f32>> {
@@ -73,9 +68,18 @@ fn vertices(rig: &Rig) -> Vec<SkinnedVertices> {
     rig.meshes().iter().map(of_mesh).collect()
 }
 
-fn pick_skin(ray: &Ray, rig: &Rig, meshes: &[SkinnedVertices]) -> Option<Hit> {
+fn at_rest(rig: &Arc<Rig>) -> Posed {
+    Posed::new(&Pose::rest(rig)).expect("within range")
+}
+
+fn pick_skin(ray: &Ray, rig: &Arc<Rig>, meshes: &[SkinnedVertices]) -> Option<Hit> {
     let targets = Targets {
-        skin: Some(Skin { rig, meshes }),
+        skin: Some(Skin {
+            posed: &at_rest(rig),
+            shape: Shape::Bind,
+            cull: Cull::Auto,
+            meshes,
+        }),
         bones: None,
     };
     pick(ray, &targets)
@@ -333,16 +337,18 @@ fn the_nearest_of_skin_and_bones_is_picked_and_skin_of_equals() {
     let down = ray(v(0.125, 8.0, 0.125), DVec3::NEG_Y);
     // The upper bone ends at 4.
     for (height, is_skin) in [(4.5, true), (4.0, true), (3.5, false)] {
-        let rig = Arc::new(rig(vec![roof(height)], &[]));
+        let rig = rig(vec![roof(height)], &[]);
         let meshes = vertices(&rig);
-        let posed = Posed::new(&Pose::rest(&rig)).expect("within range");
+        let posed = at_rest(&rig);
         let both = Targets {
             bones: Some(Bones {
                 posed: &posed,
                 radius: None,
             }),
             skin: Some(Skin {
-                rig: &rig,
+                posed: &posed,
+                shape: Shape::Bind,
+                cull: Cull::Auto,
                 meshes: &meshes,
             }),
         };
@@ -366,7 +372,7 @@ fn the_nearest_of_skin_and_bones_is_picked_and_skin_of_equals() {
 
 #[test]
 fn bones_are_as_thick_as_they_are_drawn_unless_a_radius_is_given() {
-    let posed = Posed::new(&Pose::rest(&Arc::new(rig(Vec::new(), &[])))).expect("within range");
+    let posed = at_rest(&rig(Vec::new(), &[]));
     // Bones of 2 have a radius of 0.2.
     let radius = |radius| Some(BoneRadius::new(radius).expect("a radius"));
     for (z, given, wanted) in [

@@ -1,30 +1,11 @@
-//! Between three angles in a joint's own order and a quaternion, with and without limits.
+//! A quaternion against the limits of three angles.
 
 use crate::rig::{Limit, RotationOrder};
-use glam::{DQuat, DVec3, EulerRot};
+use glam::{DQuat, DVec3};
 use std::f64::consts::{PI, TAU};
 
 /// Radians by which a quaternion may miss a limit and still be kept as it is: what float32 on the wire loses.
 const LIMIT_TOLERANCE: f64 = 1e-6;
-
-/// `angles` are about x, y, z.
-pub(super) fn quaternion_of(angles: DVec3, order: RotationOrder) -> DQuat {
-    match order {
-        RotationOrder::Zyx => DQuat::from_euler(EulerRot::ZYX, angles.z, angles.y, angles.x),
-        RotationOrder::Xyz => DQuat::from_euler(EulerRot::XYZ, angles.x, angles.y, angles.z),
-    }
-}
-
-/// The triple whose middle angle lies within ±π/2.
-pub(super) fn angles_of(quaternion: DQuat, order: RotationOrder) -> DVec3 {
-    match order {
-        RotationOrder::Zyx => {
-            let (z, y, x) = quaternion.to_euler(EulerRot::ZYX);
-            DVec3::new(x, y, z)
-        }
-        RotationOrder::Xyz => quaternion.to_euler(EulerRot::XYZ).into(),
-    }
-}
 
 /// How a quaternion stands to the limits of its joint.
 pub(super) enum Fit {
@@ -37,7 +18,7 @@ pub(super) enum Fit {
 /// Tries both triples of angles that make `quaternion`, each angle also a full turn up or down. Where neither is inside, the one that
 /// clamping turns away least is taken.
 pub(super) fn fit(quaternion: DQuat, order: RotationOrder, limits: &[Limit; 3]) -> Fit {
-    let first = angles_of(quaternion, order);
+    let first = order.angles_of(quaternion);
     // The same rotation the other way around the middle axis, in either order.
     let second = DVec3::new(first.x + PI, PI - first.y, first.z + PI);
     let [first, second] = [first, second].map(|triple| {
@@ -50,7 +31,7 @@ pub(super) fn fit(quaternion: DQuat, order: RotationOrder, limits: &[Limit; 3]) 
         return Fit::Inside;
     }
     let turned_away =
-        |(_, used): (DVec3, DVec3)| quaternion.angle_between(quaternion_of(used, order));
+        |(_, used): (DVec3, DVec3)| quaternion.angle_between(order.quaternion_of(used));
     let nearer = if turned_away(second) < turned_away(first) {
         second
     } else {
@@ -84,32 +65,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn angles_multiply_in_the_order_named() {
-        let angles = DVec3::new(0.3, -0.8, 1.9);
-        let [x, y, z] = [
-            DQuat::from_rotation_x(0.3),
-            DQuat::from_rotation_y(-0.8),
-            DQuat::from_rotation_z(1.9),
-        ];
-        assert!(quaternion_of(angles, RotationOrder::Zyx).angle_between(z * y * x) < 1e-7);
-        assert!(quaternion_of(angles, RotationOrder::Xyz).angle_between(x * y * z) < 1e-7);
-        assert!(quaternion_of(angles, RotationOrder::Zyx).angle_between(x * y * z) > 0.1);
-    }
-
-    #[test]
-    fn angles_come_back() {
-        for order in [RotationOrder::Zyx, RotationOrder::Xyz] {
-            let angles = DVec3::new(2.3, -1.2, -3.0);
-            assert!(angles_of(quaternion_of(angles, order), order).distance(angles) < 1e-12);
-        }
-    }
-
-    #[test]
     fn the_second_triple_and_full_turns_are_tried() {
         let range = |min, max| Limit { min, max };
         // (0.1, 2, 0.1) has its middle angle past pi/2, so only the second triple is inside.
         let limits = [range(0.0, 0.2), range(1.5, 2.5), range(0.0, 0.2)];
-        let quaternion = quaternion_of(DVec3::new(0.1, 2.0, 0.1), RotationOrder::Zyx);
+        let quaternion = RotationOrder::Zyx.quaternion_of(DVec3::new(0.1, 2.0, 0.1));
         assert!(matches!(
             fit(quaternion, RotationOrder::Zyx, &limits),
             Fit::Inside

@@ -1,7 +1,7 @@
 //! Forward kinematics: f64 throughout, rounded once when a palette is made.
 
-use super::{Palette, Pose, Skinning};
-use crate::rig::{Binding, Rig};
+use super::{Local, Palette, Pose, Skinning};
+use crate::rig::{Binding, Mesh, Part, Rig};
 use glam::{DAffine3, DVec3};
 use std::sync::{Arc, OnceLock};
 
@@ -49,7 +49,7 @@ const LARGEST_MOVE: f64 = 1e18;
 const LARGEST_WEIGHT: f64 = 1e6;
 
 impl Posed {
-    /// Each joint: `world_from_joint = world_from_parent * T(offset + displacement) * R`; each binding:
+    /// Each joint: `world_from_joint = world_from_parent * T(offset + displacement) * R * S`; each binding:
     /// `model_from_bind = world_from_joint * joint_from_bind`.
     ///
     /// # Errors
@@ -59,8 +59,13 @@ impl Posed {
         let joints = rig.skeleton().joints();
         let mut world_from_joint: Vec<DAffine3> = Vec::with_capacity(joints.len());
         for (index, joint) in joints.iter().enumerate() {
-            let (translation, rotation) = pose.local(index);
-            let parent_from_joint = DAffine3::from_rotation_translation(rotation, translation);
+            let Local {
+                translation,
+                rotation,
+                scale,
+            } = pose.local(index);
+            let parent_from_joint =
+                DAffine3::from_scale_rotation_translation(scale, rotation, translation);
             let world_from_parent = joint
                 .parent
                 .map_or(DAffine3::IDENTITY, |parent| world_from_joint[parent]);
@@ -113,6 +118,23 @@ impl Posed {
             Skinning::DualQuaternion => dual_quaternion,
         };
         palette.get_or_init(|| Palette::rounded(&self.model_from_bind, skinning))
+    }
+
+    /// Where the middle of a part of one of the rig's meshes comes to lie, about: as if all of it followed what most of it does.
+    pub fn center_of(&self, part: &Part) -> DVec3 {
+        let moved = self.model_from_bind.get(part.follows as usize);
+        let center = part.center.as_dvec3();
+        moved.map_or(center, |moved| moved.transform_point3(center))
+    }
+
+    /// Whether anything that a mesh of the rig follows turns left into right, and so inside into outside.
+    pub fn mirrors(&self, mesh: &Mesh) -> bool {
+        let mut followed = mesh.followers().iter();
+        // What is flat has no inside.
+        followed.any(|followers| {
+            let moved = self.model_from_bind[followers.binding as usize];
+            moved.matrix3.determinant() <= 0.0
+        })
     }
 
     /// One per morph target of the rig.
@@ -169,18 +191,14 @@ mod tests {
     use super::*;
     use crate::limits::Limits;
     use crate::pose::PoseEdit;
-    use crate::rig::{Draft, JointDraft, Limit, RotationOrder};
+    use crate::rig::{Draft, JointDraft};
 
     fn posed(parents_and_offsets: &[(Option<usize>, DVec3)], dofs: Vec<(usize, f64)>) -> Posed {
         let joint = |&(parent, offset): &(Option<usize>, DVec3)| JointDraft {
-            name: String::new(),
             parent,
             offset,
-            rotation_order: RotationOrder::Zyx,
-            rest_angles: DVec3::ZERO,
-            rotation_limits: [Limit::NONE; 3],
             translates: true,
-            bounding_box: None,
+            ..JointDraft::default()
         };
         let rig = Draft {
             joints: parents_and_offsets.iter().map(joint).collect(),

@@ -1,6 +1,7 @@
 //! What a rig's joints are turned to: [`Pose`] holds it, [`PoseEdit`] changes it within limits, [`Posed`] is its outcome.
 //! Never lives here: vertices, and names (callers resolve them to indices).
 
+mod blend;
 mod euler;
 mod kinematics;
 mod palette;
@@ -10,45 +11,22 @@ pub use kinematics::{Bone, PoseOutOfRange, Posed};
 pub use palette::{Palette, SkinDualQuaternion, SkinMatrix, Skinning};
 pub use turn::Space;
 
-use crate::rig::{Axis, Dof, DofKind, Joint, Rig};
+use crate::rig::{Axis, Dof, DofKind, Joint, Rig, Rotation};
+use blend::Blended;
 use euler::Fit;
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
 
-/// A local rotation in the form it was given in. A quaternion stays one until an angle of its joint is set, so that it is never
-/// squeezed through angles.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Rotation {
-    /// Radians about x, y, z, multiplied in the joint's own order.
-    Angles(DVec3),
-    /// Unit length.
-    Quaternion(DQuat),
-}
-
-impl Rotation {
-    /// To the bit.
-    fn is_same(self, other: Self) -> bool {
-        match (self, other) {
-            (Self::Angles(one), Self::Angles(other)) => is_same(&one.to_array(), &other.to_array()),
-            (Self::Quaternion(one), Self::Quaternion(other)) => {
-                is_same(&one.to_array(), &other.to_array())
-            }
-            _ => false,
+/// To the bit.
+fn is_same_rotation(one: Rotation, other: Rotation) -> bool {
+    match (one, other) {
+        (Rotation::Angles(one), Rotation::Angles(other)) => {
+            is_same(&one.to_array(), &other.to_array())
         }
-    }
-
-    fn angles(self, joint: &Joint) -> DVec3 {
-        match self {
-            Self::Angles(angles) => angles,
-            Self::Quaternion(quaternion) => euler::angles_of(quaternion, joint.rotation_order),
+        (Rotation::Quaternion(one), Rotation::Quaternion(other)) => {
+            is_same(&one.to_array(), &other.to_array())
         }
-    }
-
-    fn quaternion(self, joint: &Joint) -> DQuat {
-        match self {
-            Self::Angles(angles) => euler::quaternion_of(angles, joint.rotation_order),
-            Self::Quaternion(quaternion) => quaternion,
-        }
+        _ => false,
     }
 }
 
@@ -62,6 +40,15 @@ struct JointPose {
     /// From rest, in the parent's frame.
     displacement: DVec3,
     rotation: Rotation,
+    scale: DVec3,
+}
+
+/// A joint in its parent's frame: `T(translation) * R(rotation) * S(scale)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Local {
+    pub translation: DVec3,
+    pub rotation: DQuat,
+    pub scale: DVec3,
 }
 
 /// The state of every joint of one rig, in f64.
@@ -92,12 +79,15 @@ pub struct ClipAt {
     pub clip: usize,
     /// In seconds.
     pub time: f64,
+    /// Finite, at least 0: its share among clips that move the same. Where these come to less than 1, the pose that is edited makes up
+    /// the rest.
+    pub weight: f64,
 }
 
-/// Changes to a [`Pose`]: the clip first, then rotations, then DOFs. Numbers are finite, quaternions of unit length, indices in range.
+/// Changes to a [`Pose`]: clips first, then rotations, then DOFs. Numbers are finite, quaternions of unit length, indices in range.
 #[derive(Debug, Clone, Default)]
 pub struct PoseEdit {
-    pub clip: Option<ClipAt>,
+    pub clips: Vec<ClipAt>,
     /// `(joint, local rotation)`
     pub rotations: Vec<(usize, DQuat)>,
     /// `(index into the rig's DOFs, value)`
@@ -131,7 +121,8 @@ impl Pose {
         Arc::ptr_eq(&self.rig, &other.rig)
             && joints.all(|(one, other)| {
                 is_same(&one.displacement.to_array(), &other.displacement.to_array())
-                    && one.rotation.is_same(other.rotation)
+                    && is_same(&one.scale.to_array(), &other.scale.to_array())
+                    && is_same_rotation(one.rotation, other.rotation)
             })
             && is_same(&self.morph_weights, &other.morph_weights)
     }
@@ -140,7 +131,8 @@ impl Pose {
     pub fn rest(rig: &Arc<Rig>) -> Self {
         let at_rest = |joint: &Joint| JointPose {
             displacement: DVec3::ZERO,
-            rotation: Rotation::Angles(joint.rest_angles),
+            rotation: joint.rest_rotation,
+            scale: joint.rest_scale,
         };
         Self {
             joints: rig.skeleton().joints().iter().map(at_rest).collect(),
@@ -167,22 +159,25 @@ impl Pose {
         match dof.kind {
             DofKind::Translation { joint, axis } => self.joints[joint].displacement[axis.index()],
             DofKind::Rotation { joint, axis } => {
-                self.joints[joint].rotation.angles(self.joint(joint))[axis.index()]
+                let order = self.joint(joint).rotation_order;
+                self.joints[joint].rotation.angles(order)[axis.index()]
             }
+            DofKind::Scale { joint, axis } => self.joints[joint].scale[axis.index()],
             DofKind::Morph { morph } => self.morph_weights[morph],
         }
     }
 
-    /// Of a joint in its parent's frame: where its origin is and how it is turned.
-    pub fn local(&self, joint: usize) -> (DVec3, DQuat) {
+    pub fn local(&self, joint: usize) -> Local {
         let JointPose {
             displacement,
             rotation,
+            scale,
         } = self.joints[joint];
-        (
-            self.joint(joint).offset + displacement,
-            rotation.quaternion(self.joint(joint)),
-        )
+        Local {
+            translation: self.joint(joint).offset + displacement,
+            rotation: rotation.quaternion(self.joint(joint).rotation_order),
+            scale,
+        }
     }
 
     /// The pose after the edit, and what limits changed on the way. `self` stays as it is.
@@ -192,11 +187,12 @@ impl Pose {
     pub fn edited(&self, edit: &PoseEdit) -> Result<(Self, Vec<Clamped>), OutsideLimits> {
         let mut next = self.clone();
         let mut clamped = Vec::new();
-        if let Some(ClipAt { clip, time }) = edit.clip {
-            for channel in &self.rig.clips()[clip].channels {
-                let asked = channel.curve.at(time);
-                next.set_limited(channel.dof, asked, edit.limits, &mut clamped)?;
-            }
+        let Blended { dofs, rotations } = Blended::of(self, &edit.clips);
+        for (dof, asked) in dofs {
+            next.set_limited(dof, asked, edit.limits, &mut clamped)?;
+        }
+        for (joint, quaternion) in rotations {
+            next.set_rotation(joint, quaternion, edit.limits, &mut clamped)?;
         }
         for &(joint, quaternion) in &edit.rotations {
             next.set_rotation(joint, quaternion, edit.limits, &mut clamped)?;
@@ -232,10 +228,11 @@ impl Pose {
             }
             DofKind::Rotation { joint, axis } => {
                 let rotation = &mut self.joints[joint].rotation;
-                let mut angles = rotation.angles(&rig.skeleton().joints()[joint]);
+                let mut angles = rotation.angles(rig.skeleton().joints()[joint].rotation_order);
                 angles[axis.index()] = value;
                 *rotation = Rotation::Angles(angles);
             }
+            DofKind::Scale { joint, axis } => self.joints[joint].scale[axis.index()] = value,
             DofKind::Morph { morph } => self.morph_weights[morph] = value,
         }
     }
@@ -307,14 +304,11 @@ mod tests {
 
     fn joint(parent: Option<usize>, limits: [Limit; 3]) -> JointDraft {
         JointDraft {
-            name: String::new(),
             parent,
             offset: DVec3::Y,
-            rotation_order: RotationOrder::Zyx,
-            rest_angles: DVec3::ZERO,
             rotation_limits: limits,
             translates: parent.is_none(),
-            bounding_box: None,
+            ..JointDraft::default()
         }
     }
 
@@ -395,9 +389,9 @@ mod tests {
 
     #[test]
     fn an_unlimited_joint_keeps_its_quaternion_at_the_singularity() {
-        let quaternion = euler::quaternion_of(DVec3::new(0.3, PI / 2.0, -1.1), RotationOrder::Zyx);
+        let quaternion = RotationOrder::Zyx.quaternion_of(DVec3::new(0.3, PI / 2.0, -1.1));
         let (pose, clamped) = hinge().edited(&turn(0, quaternion)).expect("no limits");
-        assert_eq!(pose.local(0).1, quaternion);
+        assert_eq!(pose.local(0).rotation, quaternion);
         assert!(clamped.is_empty());
     }
 
@@ -407,7 +401,7 @@ mod tests {
         let quaternion = -DQuat::from_rotation_z(2.0);
         let (pose, clamped) = hinge().edited(&turn(1, quaternion)).expect("inside");
         assert!(clamped.is_empty(), "{clamped:?}");
-        assert_eq!(pose.local(1).1, quaternion);
+        assert_eq!(pose.local(1).rotation, quaternion);
     }
 
     #[test]

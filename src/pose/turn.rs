@@ -17,7 +17,7 @@ impl Pose {
     /// `P⁻¹·R·P·q` in world space, where `P` is how its parent is turned. Unit length. The axis may have any length; one of 0 turns
     /// nothing.
     pub fn turned(&self, joint: usize, axis: DVec3, angle: f64, space: Space) -> DQuat {
-        let (_, parent_from_joint) = self.local(joint);
+        let parent_from_joint = self.local(joint).rotation;
         let turn = unit(axis).map_or(DQuat::IDENTITY, |axis| DQuat::from_axis_angle(axis, angle));
         let turned = match space {
             Space::Joint => parent_from_joint * turn,
@@ -43,9 +43,10 @@ impl Pose {
                 return Some(joint_from_here * axis_in_here);
             }
             let parent = self.joint(here).parent?;
-            let (from_parent, parent_from_here) = self.local(here);
-            let joint_from_parent = joint_from_here * parent_from_here.inverse();
-            if let Some(axis_in_parent) = unit(from_parent) {
+            let local = self.local(here);
+            let joint_from_parent = joint_from_here * local.rotation.inverse();
+            // Before the parent is turned, its scale moves what hangs on it.
+            if let Some(axis_in_parent) = unit(self.local(parent).scale * local.translation) {
                 return Some(joint_from_parent * axis_in_parent);
             }
             (joint_from_here, here) = (joint_from_parent, parent);
@@ -54,13 +55,16 @@ impl Pose {
 
     fn toward_a_child(&self, joint: usize) -> Option<DVec3> {
         let children = self.rig().skeleton().children(joint).iter();
-        children.map(|&child| self.local(child).0).find_map(unit)
+        let scale = self.local(joint).scale;
+        children
+            .map(|&child| scale * self.local(child).translation)
+            .find_map(unit)
     }
 
     fn world_rotation(&self, joint: usize) -> DQuat {
         let ancestors = std::iter::successors(Some(joint), |&at| self.joint(at).parent);
         ancestors
-            .map(|at| self.local(at).1)
+            .map(|at| self.local(at).rotation)
             .reduce(|here, parent| parent * here)
             .unwrap_or(DQuat::IDENTITY)
             .normalize()
@@ -79,7 +83,7 @@ mod tests {
     use super::*;
     use crate::limits::Limits;
     use crate::pose::{PoseEdit, Posed};
-    use crate::rig::{Draft, JointDraft, Limit, RotationOrder};
+    use crate::rig::{Draft, JointDraft, Rotation, RotationOrder};
     use glam::DAffine3;
     use std::sync::Arc;
 
@@ -90,14 +94,14 @@ mod tests {
 
     fn posed(joints: &[(Option<usize>, DVec3)], order: RotationOrder) -> Pose {
         let joint = |(index, &(parent, offset)): (usize, &(Option<usize>, DVec3))| JointDraft {
-            name: String::new(),
             parent,
             offset,
             rotation_order: order,
-            rest_angles: DVec3::new(0.4, -0.9, 1.7) * (1.0 + 0.37 * index as f64),
-            rotation_limits: [Limit::NONE; 3],
+            rest_rotation: Rotation::Angles(
+                DVec3::new(0.4, -0.9, 1.7) * (1.0 + 0.37 * index as f64),
+            ),
             translates: parent.is_none(),
-            bounding_box: None,
+            ..JointDraft::default()
         };
         let draft = Draft {
             joints: joints.iter().enumerate().map(joint).collect(),
@@ -201,7 +205,10 @@ mod tests {
             assert!(found.abs_diff_eq(wanted, ROUNDING), "{length:e}: {found}");
         }
         let found = pose.turned(2, DVec3::ZERO, 0.8, Space::Joint);
-        assert!(found.abs_diff_eq(pose.local(2).1, ROUNDING), "{found}");
+        assert!(
+            found.abs_diff_eq(pose.local(2).rotation, ROUNDING),
+            "{found}"
+        );
     }
 
     #[test]

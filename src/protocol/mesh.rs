@@ -112,14 +112,24 @@ pub struct Topology {
     pub meshes: Vec<MeshTopology>,
 }
 
+/// Triangles of a mesh that are made of one material.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct MeshPart {
+    pub triangle_count: u64,
+    /// Null where the file names none.
+    pub material: Option<String>,
+}
+
 /// How the vertices of one mesh hang together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeshTopology {
     pub name: String,
     pub vertex_count: u64,
     pub triangle_count: u64,
-    /// Null where the file names none.
+    /// That of the first part; null where the file names none.
     pub material: Option<String>,
+    /// Its triangles by what they are made of, one part after another.
+    pub parts: Vec<MeshPart>,
     /// Indices of vertices, wound as in the file: uint32 of shape `[triangle_count, 3]`.
     pub triangles: Blob,
     /// Where the file has any: float32 of shape `[vertex_count, 2]`; v is 0 at the bottom of the picture.

@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// A pose, built up in steps: `base`, then `clip`, then `rotations`, then `dofs` or `dof_values`; `limits` holds for each.
+/// A pose, built up in steps: `base`, then `clip` or `clips`, then `rotations`, then `dofs` or `dof_values`; `limits` holds for each.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pose {
@@ -19,6 +19,9 @@ pub struct Pose {
     /// An animation at one moment: sets every degree of freedom that it has a channel for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clip: Option<ClipAt>,
+    /// Several animations at once, each with its share; not beside `clip`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub clips: Vec<WeightedClip>,
     /// Local rotations by the joint's name: unit quaternions `[x, y, z, w]`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub rotations: BTreeMap<String, [f64; 4]>,
@@ -41,6 +44,24 @@ pub struct ClipAt {
     pub name: String,
     /// In seconds, within ±1e9; also outside of the clip's range.
     pub time: f64,
+}
+
+/// An animation at one moment, and its share. What several of them set becomes their mean by weight, rotations by slerp one after
+/// another; where the weights of those that set it come to less than 1, what the pose starts from makes up the rest.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WeightedClip {
+    /// As `rig.describe` has it.
+    pub name: String,
+    /// In seconds, within ±1e9; also outside of the clip's range.
+    pub time: f64,
+    /// From 0 to 1e9.
+    #[serde(default = "whole")]
+    pub weight: f64,
+}
+
+fn whole() -> f64 {
+    1.0
 }
 
 /// What a pose starts from.

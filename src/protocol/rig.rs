@@ -2,6 +2,7 @@
 //! Never lives here: the formats of those files.
 
 use super::attach::{Attach, Base64};
+use super::mesh::MeshPart;
 use super::parse::field_error;
 use super::strict::object;
 use schemars::JsonSchema;
@@ -208,6 +209,8 @@ pub enum DofKind {
     Translation,
     /// Local Euler angle about an axis, in radians.
     Rotation,
+    /// Local scale along an axis of the joint's own: 1 leaves it as it is.
+    Scale,
     /// Weight of a morph target: 0 leaves the mesh as modelled, 1 is the target itself.
     Morph,
 }
@@ -218,18 +221,40 @@ pub struct MeshDescription {
     pub name: String,
     pub vertex_count: u64,
     pub triangle_count: u64,
-    /// Null where the file names none.
+    /// That of the first part; null where the file names none.
     pub material: Option<String>,
+    /// Its triangles by what they are made of, one part after another.
+    pub parts: Vec<MeshPart>,
     /// Whether `mesh.topology` has `texcoords` for it.
     pub has_texcoords: bool,
 }
 
 /// A named surface.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MaterialDescription {
     pub name: String,
     /// The base name of the picture's file; null without one.
     pub texture: Option<String>,
+    /// Linear RGB and opacity; null where the file gives none.
+    pub color: Option<[f64; 4]>,
+    /// What becomes of the opacity of color and texture.
+    pub opacity: Opacity,
+    /// Whether it is seen from the front alone.
+    pub single_sided: bool,
+    /// Whether light leaves it as it is.
+    pub unlit: bool,
+}
+
+/// What becomes of the opacity of a material.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Opacity {
+    /// It counts for nothing.
+    Opaque,
+    /// Nothing is there where it is low, all is opaque elsewhere.
+    Mask,
+    /// It lets through what is behind.
+    Blend,
 }
 
 /// A morph target.

@@ -187,21 +187,25 @@ impl Capabilities {
     /// # Errors
     /// Where a buffer or a texture of this rig is larger than the adapter takes.
     pub fn accept_rig(&self, rig: &Rig) -> Result<(), LimitExceeded> {
-        let of_meshes = rig.meshes().iter().flat_map(|mesh| {
-            [
-                size_of_val(mesh.influences()),
-                size_of_val(mesh.morph_displacements()),
-                size_of_val(mesh.draw_triangles()),
-            ]
-        });
-        // The skinned vertices of all meshes stand in one buffer, six floats each.
+        // Those of all meshes stand in one buffer each, and so do their skinned vertices, six floats each. What else there is of a
+        // vertex takes no more than that.
+        let [influences, displacements, triangles] =
+            rig.meshes().iter().fold([0; 3], |sums, mesh| {
+                let [influences, displacements, triangles] = sums;
+                [
+                    influences + size_of_val(mesh.influences()),
+                    displacements + size_of_val(mesh.morph_displacements()),
+                    triangles + size_of_val(mesh.draw_triangles()),
+                ]
+            });
         let skinned = rig.vertex_count() * 24;
         let palette = rig.bindings().len() * size_of::<SkinDualQuaternion>();
-        let largest = of_meshes.chain([skinned, palette]).max().unwrap_or(0);
+        let sizes = [influences, displacements, triangles, skinned, palette];
+        let largest = sizes.into_iter().max().unwrap_or(0);
         self.accept_bytes(largest as u64)?;
-        let textures = rig.materials().iter().flat_map(|m| &m.texture);
-        let sides =
-            textures.map(|texture| texture.levels()[0].width.max(texture.levels()[0].height));
+        let sides = rig
+            .textures()
+            .map(|texture| texture.levels()[0].width.max(texture.levels()[0].height));
         hold(SIDE, self.side, sides.max().unwrap_or(0).into())
     }
 }

@@ -1,9 +1,10 @@
-//! Which side of a mesh cannot be seen: that of a closed and opaque one which lies wholly before the camera, seen from outside.
-//! Leaving it out saves half of the work and changes no picture, but where a pose turns skin inside out.
+//! Which side of a mesh is not drawn: the back of a single-sided material, and what cannot be seen of a closed and opaque mesh which lies
+//! wholly before the camera, seen from outside. Leaving that out saves half of the work and changes no picture, but where a pose turns
+//! skin inside out.
 
 use super::Instance;
 use crate::pose::Palette;
-use crate::rig::Mesh;
+use crate::rig::{Mesh, Part, Sides};
 use crate::scene::{Bounds, Camera, Cull, Scene};
 use glam::{DVec3, DVec4};
 use std::ops::Range;
@@ -16,37 +17,62 @@ pub(super) enum Side {
     Back,
 }
 
-/// Draw triangles that are drawn alike.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Part {
+/// Draw triangles of one part of a mesh that are drawn alike.
+#[derive(Debug, Clone)]
+pub(super) struct Piece {
     pub triangles: Range<usize>,
     /// Those seen from this side are left out.
     pub culled: Option<Side>,
 }
 
-/// All draw triangles of `mesh`, with the side of them that can be left out. `bounds` are those of its posed vertices, or larger; `None`
-/// where they are not known.
-pub(super) fn parts(
-    instance: &Instance,
-    mesh: &Mesh,
-    scene: &Scene,
-    bounds: Option<Bounds>,
-) -> impl Iterator<Item = Part> + use<> {
-    let all = mesh.draw_triangles().len();
-    let may_cull = scene.cull == Cull::Auto && scene.show.skin_opacity() == 1.0;
-    let outward_count = mesh.outward_count().filter(|_| {
+/// What can be left out of a mesh.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Culling {
+    is_asked_for: bool,
+    is_mirrored: bool,
+    hides_its_inside: bool,
+}
+
+impl Culling {
+    /// `bounds` are those of the mesh's posed vertices, or larger; `None` where they are not known.
+    pub fn of(instance: &Instance, mesh: &Mesh, scene: &Scene, bounds: Option<Bounds>) -> Self {
+        let is_mirrored = instance.mirrors(mesh);
         let is_seen_from_outside = bounds.is_some_and(|bounds| is_ahead(&bounds, &scene.camera));
-        may_cull && is_seen_from_outside && !is_mirrored(instance, mesh)
-    });
-    let part = |triangles, culled| Part { triangles, culled };
-    let parts = match outward_count {
-        None => [part(0..all, None), part(all..all, None)],
-        Some(outward) => [
-            part(0..outward, Some(Side::Back)),
-            part(outward..all, Some(Side::Front)),
-        ],
-    };
-    parts.into_iter().filter(|part| !part.triangles.is_empty())
+        let is_opaque = scene.show.skin_opacity() == 1.0;
+        Self {
+            is_asked_for: scene.cull == Cull::Auto,
+            is_mirrored,
+            hides_its_inside: is_opaque && is_seen_from_outside && !is_mirrored,
+        }
+    }
+
+    /// All draw triangles of a part of the mesh, with the side of them that can be left out.
+    pub fn pieces(self, part: &Part) -> impl Iterator<Item = Piece> + use<> {
+        let Range { start, end } = part.triangles;
+        let piece = |triangles, culled| Piece { triangles, culled };
+        let halves = match part.sides {
+            Sides::Outside { count } if self.is_asked_for && self.hides_its_inside => [
+                piece(start..start + count, Some(Side::Back)),
+                piece(start + count..end, Some(Side::Front)),
+            ],
+            Sides::Front { count } if self.is_asked_for => {
+                let (first, second) = if self.is_mirrored {
+                    (Side::Front, Side::Back)
+                } else {
+                    (Side::Back, Side::Front)
+                };
+                [
+                    piece(start..start + count, Some(first)),
+                    piece(start + count..end, Some(second)),
+                ]
+            }
+            Sides::Both | Sides::Outside { .. } | Sides::Front { .. } => {
+                [piece(start..end, None), piece(end..end, None)]
+            }
+        };
+        let halves = halves.into_iter();
+        halves.filter(|piece| !piece.triangles.is_empty())
+    }
 }
 
 /// Wholly beyond the near plane, and so before the eye.
@@ -92,20 +118,5 @@ pub(super) fn reach(instance: &Instance, mesh: &Mesh) -> Option<Bounds> {
     Some(Bounds {
         min: bounds.min - margin,
         max: bounds.max + margin,
-    })
-}
-
-/// Whether anything that the mesh follows turns left into right, and so inside into outside.
-fn is_mirrored(instance: &Instance, mesh: &Mesh) -> bool {
-    let mut followed = mesh.followers().iter();
-    followed.any(|followers| {
-        let binding = followers.binding as usize;
-        let rows = match instance.palette() {
-            Palette::Linear(palette) => palette[binding].rows,
-            Palette::DualQuaternion(palette) => palette[binding].stretch,
-        };
-        let [x, y, z] = rows.map(|row| row.truncate().as_dvec3());
-        // What is flat has no inside.
-        x.dot(y.cross(z)) <= 0.0
     })
 }

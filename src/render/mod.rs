@@ -2,9 +2,11 @@
 //! Never lives here: sockets, files, encoders.
 
 mod adapter;
+mod coat;
 pub mod cpu;
 mod cull;
 pub mod gpu;
+mod order;
 mod outputs;
 mod plan;
 mod renderer;

@@ -13,20 +13,32 @@
 //!    skin is culled, all else is two-sided.
 //! 3. **Shade**, per pixel and triangle, in world space and linear RGB, at the pixel's center, or at a place the triangle covers where it
 //!    does not cover all samples; `n` flipped toward the side that is seen:
-//!    `ambient · diffuse + Σ radiance · (diffuse · max(n·l, 0) + [n·l > 0] · specular · max(n·h, 0)^shininess)`, clamped to 0..1.
+//!    `ambient · diffuse + Σ radiance · (diffuse · max(n·l, 0) + [n·l > 0] · specular · max(n·h, 0)^shininess) + emissive`, clamped to 0..1.
 //!    A flat normal is the triangle's own. `diffuse` is the surface's, times the texture at the pixel's center where the mesh has one
-//!    (linear light, repeated, bilinear in two levels and linear between, `v` = 0 the bottom row); of a skeleton's solids it is their own
-//!    color. The level is `½ · log2(max(1, a², b²))`, where `a` and `b` are how far, in texels, the texture moves between the centers of
-//!    the two pixels of a row and of a column in the aligned square of four that the pixel is of.
-//! 4. **Blend**: skeleton first; the nearest surface of the skin is laid over what is there by its opacity; the skeleton behind an
-//!    opaque skin stays hidden. Alpha is premultiplied.
+//!    (linear light, bilinear in two levels and linear between), times the vertex color, interpolated as positions are and held to 0..1;
+//!    of a skeleton's solids it is their own color. Where a texture is asked for: texture coordinates (u, v), `v` = 0 the bottom row, are
+//!    mapped from (u, 1 − v) by the material's transform to a place on the picture, from its upper left corner; beyond (0, 0) and (1, 1)
+//!    it is repeated, mirrored or held. The level is `½ · log2(max(1, a², b²))`, where `a` and `b` are how far, in texels, that place moves
+//!    between the centers of the two pixels of a row and of a column in the aligned square of four that the pixel is of.
+//!    What is not lit is `diffuse`, clamped. A normal map `m = 2 · texel − 1`, its first two numbers times its scale, makes
+//!    `n' = normalize(m.x · t + m.y · b + m.z · n)`: `t` and `b` are the directions in the triangle's plane in which the place moves right and up
+//!    on the picture, each made perpendicular to `n` (already flipped) and unit; where the place does not move over the triangle, or
+//!    `n'` comes to nothing, it stays `n`. Flat normals that a request asks
+//!    for are not mapped, those of a part that has no others are.
+//! 4. **Blend**: alpha is that of the surface, the texture and the vertex color multiplied. A mask leaves out a triangle at all samples of a
+//!    pixel where its alpha at the pixel's center is less than the material's cutoff. Skeleton first, then what is opaque or masked. Then parts
+//!    that blend, in the order of `blending_parts`, farthest first, and the triangles of a part in its own order: sample by sample each is
+//!    laid over what is there by its alpha; what is opaque and nearer hides it, it hides nothing itself. Of a translucent skin
+//!    (opacity below 1) instead, whatever its materials, the nearest surface alone is laid over the skeleton, by its alpha times
+//!    the skin's opacity. The skeleton behind an opaque skin stays hidden. Alpha is premultiplied.
 //! 5. **Resolve**: the samples of a pixel are averaged, linear and premultiplied, each layer by itself, and the skin's layer is laid over the
 //!    other; the outcome is divided by its alpha, encoded as sRGB and rounded to 8 bits.
 
 use super::skeleton::{self, SkeletonView};
 use crate::pose::{Palette, Posed, Skinning};
-use crate::rig::Rig;
+use crate::rig::{Mesh, Part, Rig};
 use crate::scene::{Scene, Shape, ShowSkeleton, VertexQuery};
+use glam::DVec3;
 use std::sync::Arc;
 
 /// One renderer's worth of work.
@@ -71,6 +83,11 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// Whether the skin goes into a layer of its own, so that only its nearest surface is laid over what stands behind it.
+    pub fn is_translucent(&self) -> bool {
+        self.skin_is_shown && self.scene.show.skin_opacity() < 1.0
+    }
+
     /// Smallest squared distance that an inverse-square light is divided by.
     pub fn least_distance_squared(&self) -> f32 {
         // A rig that is a single point has no size; then nothing is nearer than one unit in a hundred.
@@ -124,6 +141,19 @@ impl Instance {
             _ => false,
         };
         is_same && self.skinning == other.skinning
+    }
+
+    /// As [`Posed::mirrors`]; as modelled, nothing does.
+    pub fn mirrors(&self, mesh: &Mesh) -> bool {
+        self.as_modelled.is_none() && self.posed.mirrors(mesh)
+    }
+
+    /// As [`Posed::center_of`].
+    pub fn center_of(&self, part: &Part) -> DVec3 {
+        match self.as_modelled {
+            Some(_) => part.center.as_dvec3(),
+            None => self.posed.center_of(part),
+        }
     }
 
     pub fn rig(&self) -> &Arc<Rig> {

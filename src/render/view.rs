@@ -50,10 +50,10 @@ impl View {
             light_count: scene.lights.len().min(LIGHTS) as u32,
             flat_normals: u32::from(scene.show.normals == ShowNormals::Flat),
             ambient: scene.ambient.rgb(),
-            shininess: scene.surface.shininess,
+            shininess: scene.surface.shininess.unwrap_or(Surface::SHININESS),
             diffuse: scene.surface.diffuse.unwrap_or(Surface::DIFFUSE).rgb(),
             opacity: scene.show.skin_opacity(),
-            specular: scene.surface.specular.rgb(),
+            specular: scene.surface.specular.unwrap_or(Surface::SPECULAR).rgb(),
             least_distance_squared: picture.least_distance_squared(),
             // A texture has the color already.
             textured_diffuse: scene.surface.diffuse.unwrap_or(Color::WHITE).rgb(),

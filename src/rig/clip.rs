@@ -1,6 +1,8 @@
 //! Animations as data: curves over time. Never lives here: what becomes of a pose that they are applied to.
 
-/// An animation: each channel sets one DOF.
+use glam::DQuat;
+
+/// An animation: each channel sets one DOF or the rotation of one joint.
 #[derive(Debug)]
 pub struct Clip {
     /// Unique in its rig.
@@ -12,17 +14,25 @@ pub struct Clip {
 
 /// A curve and what it sets.
 #[derive(Debug)]
-pub struct Channel {
-    /// Index into the rig's DOFs.
-    pub dof: usize,
-    pub curve: Curve,
+pub enum Channel {
+    Dof {
+        /// Index into the rig's DOFs.
+        dof: usize,
+        curve: Curve<f64>,
+    },
+    Rotation {
+        joint: usize,
+        /// Of the local rotation; what it comes to is made unit.
+        curve: Curve<DQuat>,
+    },
 }
 
-/// A value over time: cubic Hermite spans between keys.
+/// A value over time.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Curve {
-    /// In ascending order of time, no two at the same; a curve without keys is 0 everywhere.
-    pub keys: Vec<Key>,
+pub struct Curve<V> {
+    /// In ascending order of time, no two at the same; a curve without keys is 0, or no rotation, everywhere.
+    pub keys: Vec<Key<V>>,
+    pub interpolation: Interpolation,
     /// What holds before the first key.
     pub before: Extrapolation,
     /// What holds after the last key.
@@ -30,13 +40,80 @@ pub struct Curve {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Key {
+pub struct Key<V> {
     /// In seconds.
     pub time: f64,
-    pub value: f64,
-    /// Slopes by which the curve comes in and goes out, in value per second.
-    pub slope_in: f64,
-    pub slope_out: f64,
+    pub value: V,
+    /// Slopes by which the curve comes in and goes out, in value per second. Only [`Interpolation::Cubic`] looks at them inside.
+    pub slope_in: V,
+    pub slope_out: V,
+}
+
+/// What holds between two keys.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Interpolation {
+    /// The value of the one before.
+    Step,
+    /// Evenly from one to the other: in a straight line, or by the shorter way around.
+    Linear,
+    /// A cubic Hermite span.
+    #[default]
+    Cubic,
+}
+
+/// What a curve can be of.
+pub trait Value: Copy {
+    const NOTHING: Self;
+
+    /// `Σ factor · value`.
+    fn sum<const N: usize>(terms: [(f64, Self); N]) -> Self;
+
+    /// Evenly from one to another.
+    fn between(from: Self, to: Self, share: f64) -> Self;
+}
+
+impl Value for f64 {
+    const NOTHING: Self = 0.0;
+
+    fn sum<const N: usize>(terms: [(f64, Self); N]) -> Self {
+        terms
+            .into_iter()
+            .map(|(factor, value)| factor * value)
+            .sum()
+    }
+
+    fn between(from: Self, to: Self, share: f64) -> Self {
+        from + (to - from) * share
+    }
+}
+
+impl Value for DQuat {
+    const NOTHING: Self = Self::IDENTITY;
+
+    fn sum<const N: usize>(terms: [(f64, Self); N]) -> Self {
+        let terms = terms.into_iter();
+        terms.fold(Self::from_array([0.0; 4]), |sum, (factor, value)| {
+            sum + value * factor
+        })
+    }
+
+    fn between(from: Self, to: Self, share: f64) -> Self {
+        slerp(from, to, share)
+    }
+}
+
+/// From one unit quaternion to another by the shorter way, at an even speed.
+pub fn slerp(from: DQuat, to: DQuat, share: f64) -> DQuat {
+    let cosine = from.dot(to);
+    let to = if cosine < 0.0 { -to } else { to };
+    let cosine = cosine.abs();
+    // Past this the sine is mostly rounding, and the chord as good as the arc.
+    if cosine > 1.0 - 1e-9 {
+        return (from * (1.0 - share) + to * share).normalize();
+    }
+    let angle = libm::acos(cosine);
+    let sine = libm::sin(angle);
+    from * (libm::sin((1.0 - share) * angle) / sine) + to * (libm::sin(share * angle) / sine)
 }
 
 /// How a curve goes on beyond its keys.
@@ -57,14 +134,14 @@ pub enum Extrapolation {
 /// Rounds of a curve that cycles; more of them than f64 can count one by one.
 const MOST_CYCLES: f64 = 1e15;
 
-impl Curve {
+impl<V: Value> Curve<V> {
     /// # Formula
-    /// On a span of `d` seconds, with `u` from 0 to 1: the cubic Hermite polynomial of its end values and of `d` times its end slopes.
+    /// On a cubic span of `d` seconds, with `u` from 0 to 1: the cubic Hermite polynomial of its end values and of `d` times its end slopes.
     /// Outside of the keys, with `c = floor((t - first) / (last - first))`: `Cycle` goes back by `c` lengths, `CycleOffset` adds
     /// `c · (last value - first value)` to that, `Bounce` mirrors it where `c` is odd. A curve of a single key has its value.
-    pub fn at(&self, time: f64) -> f64 {
+    pub fn at(&self, time: f64) -> V {
         let (Some(first), Some(last)) = (self.keys.first(), self.keys.last()) else {
-            return 0.0;
+            return V::NOTHING;
         };
         if self.keys.len() == 1 {
             return first.value;
@@ -84,11 +161,12 @@ impl Curve {
         let wrapped = || (time - cycles * length).clamp(first.time, last.time);
         match extrapolation {
             Extrapolation::Constant => end.value,
-            Extrapolation::Linear => end.value + slope * (time - end.time),
+            Extrapolation::Linear => V::sum([(1.0, end.value), (time - end.time, slope)]),
             Extrapolation::Cycle => self.within(wrapped()),
-            Extrapolation::CycleOffset => {
-                self.within(wrapped()) + cycles * (last.value - first.value)
-            }
+            Extrapolation::CycleOffset => V::sum([
+                (1.0, self.within(wrapped())),
+                (cycles, V::sum([(1.0, last.value), (-1.0, first.value)])),
+            ]),
             Extrapolation::Bounce if cycles.rem_euclid(2.0) == 1.0 => {
                 self.within(first.time + last.time - wrapped())
             }
@@ -97,7 +175,7 @@ impl Curve {
     }
 
     /// At a time from the first key's to the last one's.
-    fn within(&self, time: f64) -> f64 {
+    fn within(&self, time: f64) -> V {
         let after = self.keys.partition_point(|key| key.time <= time);
         let (Some(from), to) = (
             after.checked_sub(1).map(|i| self.keys[i]),
@@ -110,10 +188,19 @@ impl Curve {
         };
         let length = to.time - from.time;
         let u = (time - from.time) / length;
-        let (u2, u3) = (u * u, u * u * u);
-        from.value * (2.0 * u3 - 3.0 * u2 + 1.0)
-            + to.value * (3.0 * u2 - 2.0 * u3)
-            + length * (from.slope_out * (u3 - 2.0 * u2 + u) + to.slope_in * (u3 - u2))
+        match self.interpolation {
+            Interpolation::Step => from.value,
+            Interpolation::Linear => V::between(from.value, to.value, u),
+            Interpolation::Cubic => {
+                let (u2, u3) = (u * u, u * u * u);
+                V::sum([
+                    (2.0 * u3 - 3.0 * u2 + 1.0, from.value),
+                    (3.0 * u2 - 2.0 * u3, to.value),
+                    (length * (u3 - 2.0 * u2 + u), from.slope_out),
+                    (length * (u3 - u2), to.slope_in),
+                ])
+            }
+        }
     }
 }
 
@@ -121,7 +208,7 @@ impl Curve {
 mod tests {
     use super::*;
 
-    fn key(time: f64, value: f64, slope: f64) -> Key {
+    fn key(time: f64, value: f64, slope: f64) -> Key<f64> {
         Key {
             time,
             value,
@@ -130,9 +217,10 @@ mod tests {
         }
     }
 
-    fn curve(keys: Vec<Key>, extrapolation: Extrapolation) -> Curve {
+    fn curve(keys: Vec<Key<f64>>, extrapolation: Extrapolation) -> Curve<f64> {
         Curve {
             keys,
+            interpolation: Interpolation::Cubic,
             before: extrapolation,
             after: extrapolation,
         }

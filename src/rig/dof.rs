@@ -10,6 +10,8 @@ pub enum DofKind {
     Translation { joint: usize, axis: Axis },
     /// Absolute local Euler angle about an axis, in radians.
     Rotation { joint: usize, axis: Axis },
+    /// Absolute local scale along an axis of the joint's own.
+    Scale { joint: usize, axis: Axis },
     /// Weight of a morph target: 0 leaves the mesh as modelled, 1 is the target itself.
     Morph { morph: usize },
 }
@@ -18,7 +20,9 @@ impl DofKind {
     /// The joint that it moves, if it moves one.
     pub fn joint(self) -> Option<usize> {
         match self {
-            Self::Translation { joint, .. } | Self::Rotation { joint, .. } => Some(joint),
+            Self::Translation { joint, .. }
+            | Self::Rotation { joint, .. }
+            | Self::Scale { joint, .. } => Some(joint),
             Self::Morph { .. } => None,
         }
     }
@@ -27,7 +31,7 @@ impl DofKind {
 /// One number that a pose sets.
 #[derive(Debug, Clone)]
 pub struct Dof {
-    /// `<joint>.<tx|ty|tz|rx|ry|rz>` or `morph.<target>`, unique in its rig.
+    /// `<joint>.<tx|ty|tz|rx|ry|rz|sx|sy|sz>` or `morph.<target>`, unique in its rig.
     pub name: String,
     pub kind: DofKind,
     pub limit: Limit,
@@ -35,7 +39,7 @@ pub struct Dof {
     pub rest: f64,
 }
 
-/// Every DOF of a rig: joints in file order, each `tx ty tz rx ry rz` as far as it has them, then morph targets in load order.
+/// Every DOF of a rig: joints in file order, each `tx ty tz rx ry rz sx sy sz` as far as it has them, then morph targets in load order.
 #[derive(Debug)]
 pub struct Dofs {
     all: Vec<Dof>,
@@ -59,15 +63,18 @@ impl Dofs {
                     dofs.push(name('t', axis), kind, Limit::NONE, 0.0);
                 }
             }
+            let rest_angles = joint.rest_rotation.angles(joint.rotation_order);
             for axis in Axis::ALL {
                 let kind = DofKind::Rotation { joint: index, axis };
                 let limit = joint.rotation_limits[axis.index()];
-                dofs.push(
-                    name('r', axis),
-                    kind,
-                    limit,
-                    joint.rest_angles[axis.index()],
-                );
+                dofs.push(name('r', axis), kind, limit, rest_angles[axis.index()]);
+            }
+            if joint.scales {
+                for axis in Axis::ALL {
+                    let kind = DofKind::Scale { joint: index, axis };
+                    let rest = joint.rest_scale[axis.index()];
+                    dofs.push(name('s', axis), kind, Limit::NONE, rest);
+                }
             }
         }
         for (index, morph) in morphs.iter().enumerate() {

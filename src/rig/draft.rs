@@ -1,8 +1,10 @@
 //! What readers fill: plain fields, and what can be wrong with them. Never lives here: the checks, which are in `build`.
 
-use super::{Curve, DofKind, LARGEST_COORDINATE, Limit, Material, RotationOrder, Warnings};
+use super::{
+    Curve, DofKind, LARGEST_COORDINATE, Limit, Material, Rotation, RotationOrder, Warnings,
+};
 use crate::limits::LimitExceeded;
-use glam::{DAffine3, DVec3, Vec2, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 
 /// A character as a reader found it: plain fields, nothing checked.
 #[derive(Debug, Default)]
@@ -26,11 +28,31 @@ pub struct JointDraft {
     pub parent: Option<usize>,
     pub offset: DVec3,
     pub rotation_order: RotationOrder,
-    pub rest_angles: DVec3,
+    pub rest_rotation: Rotation,
+    pub rest_scale: DVec3,
     pub rotation_limits: [Limit; 3],
     pub translates: bool,
+    pub scales: bool,
     /// Two opposite corners, in any order.
     pub bounding_box: Option<[DVec3; 2]>,
+}
+
+impl Default for JointDraft {
+    /// A root at the origin, unnamed, that turns freely.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            parent: None,
+            offset: DVec3::ZERO,
+            rotation_order: RotationOrder::default(),
+            rest_rotation: Rotation::NONE,
+            rest_scale: DVec3::ONE,
+            rotation_limits: [Limit::NONE; 3],
+            translates: false,
+            scales: false,
+            bounding_box: None,
+        }
+    }
 }
 
 /// A joint as it stood when a mesh was bound to it.
@@ -38,8 +60,16 @@ pub struct JointDraft {
 pub struct BindingDraft {
     /// `None` binds to the world.
     pub joint: Option<usize>,
-    /// The joint's transform at bind time; its inverse is taken here.
-    pub bind_from_joint: DAffine3,
+    pub stood: BindPose,
+}
+
+/// How a joint stood when a mesh was bound to it, in the form that a file gives it in.
+#[derive(Debug, Clone, Copy)]
+pub enum BindPose {
+    /// The joint's own transform; its inverse is taken when the rig is built.
+    BindFromJoint(DAffine3),
+    /// The inverse bind matrix. One that flattens is fine.
+    JointFromBind(DAffine3),
 }
 
 #[derive(Debug, Default)]
@@ -49,14 +79,27 @@ pub struct MeshDraft {
     pub positions: Vec<Vec3>,
     /// Of any length; computed (area-weighted, smooth) where the file gives none.
     pub normals: Option<Vec<Vec3>>,
+    /// `v` is 0 at the bottom of a picture.
     pub texcoords: Option<Vec<Vec2>>,
+    /// Linear RGB and opacity, which multiply the material's.
+    pub colors: Option<Vec<Vec4>>,
     /// Number of influences of each vertex; empty leaves every vertex where it was modelled.
     pub influence_counts: Vec<u32>,
     /// `(index into Draft::bindings, weight)` of every vertex, one vertex after another.
     pub influences: Vec<(u32, f64)>,
     pub triangles: Vec<[u32; 3]>,
+    /// Of all triangles, one part after another. Empty: a single part without a material.
+    pub parts: Vec<PartDraft>,
+}
+
+/// Triangles of a mesh that are made of one material.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PartDraft {
+    pub triangle_count: usize,
     /// Index into [`Draft::materials`].
     pub material: Option<usize>,
+    /// Lit by each triangle's own normal.
+    pub is_flat: bool,
 }
 
 /// A sparse morph target of one mesh.
@@ -66,12 +109,23 @@ pub struct MorphDraft {
     pub name: String,
     /// Index into [`Draft::meshes`].
     pub mesh: usize,
+    pub form: MorphForm,
     /// `(vertex, where it is at weight 1)` in bind space; each vertex at most once, those left out stay.
     pub positions: Vec<(u32, Vec3)>,
     /// `(vertex, its normal at weight 1)`, as [`MorphDraft::positions`].
     pub normals: Vec<(u32, Vec3)>,
     /// Weight in the file's own pose.
     pub rest: f64,
+}
+
+/// What a morph target lists.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MorphForm {
+    /// Where vertices come to lie.
+    #[default]
+    Targets,
+    /// By how much they differ from the mesh's own.
+    Displacements,
 }
 
 /// An animation: curves that set DOFs.
@@ -85,10 +139,20 @@ pub struct ClipDraft {
 }
 
 #[derive(Debug)]
-pub struct ChannelDraft {
-    /// One that the rig has.
-    pub target: DofKind,
-    pub curve: Curve,
+pub enum ChannelDraft {
+    /// `target` is one that the rig has.
+    Dof { target: DofKind, curve: Curve<f64> },
+    /// The whole rotation of a joint.
+    Rotation { joint: usize, curve: Curve<DQuat> },
+}
+
+impl ChannelDraft {
+    pub(super) fn key_count(&self) -> usize {
+        match self {
+            Self::Dof { curve, .. } => curve.keys.len(),
+            Self::Rotation { curve, .. } => curve.keys.len(),
+        }
+    }
 }
 
 /// Why a draft is not a rig.
@@ -98,8 +162,6 @@ pub enum RigError {
     Empty,
     #[error("joint {joint} names parent {parent}, but parents stand before their children")]
     ParentNotBefore { joint: usize, parent: usize },
-    #[error("joint {joint} is a second root, but a skeleton has one")]
-    SecondRoot { joint: usize },
     #[error("{what} is not a finite number below {LARGEST_COORDINATE:e}")]
     NotFinite {
         what: String,

@@ -1,7 +1,8 @@
 //! Surfaces in bind space and what they are bound to.
 
 use super::MorphDisplacement;
-use glam::{DAffine3, Vec2, Vec3};
+use glam::{DAffine3, Vec2, Vec3, Vec4};
+use std::ops::Range;
 
 /// What a vertex can be bound to: a joint as it stood when the mesh was bound, or the world itself.
 #[derive(Debug, Clone, Copy)]
@@ -38,6 +39,48 @@ pub struct Followers {
     pub max: Vec3,
 }
 
+/// Triangles of a mesh that are made of one material, and how they are ordered for drawing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// Among the mesh's triangles, and among its draw triangles, which are the same ones in another order.
+    pub triangles: Range<usize>,
+    /// Index into [`Rig::materials`](super::Rig::materials).
+    pub material: Option<usize>,
+    /// Lit by each triangle's own normal, whatever is asked for.
+    pub is_flat: bool,
+    pub sides: Sides,
+    /// The mean of its triangles' corners, in bind space.
+    pub center: Vec3,
+    /// Index into [`Rig::bindings`](super::Rig::bindings): what these corners follow most.
+    pub follows: u32,
+}
+
+/// Which sides of a surface there are to be seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sides {
+    Both,
+    /// It is part of what encloses a volume, whatever the pose. The first so many draw triangles are wound counter-clockwise seen from
+    /// outside, the rest seen from within.
+    Outside {
+        count: usize,
+    },
+    /// Its material is single-sided. The first so many draw triangles are wound counter-clockwise seen from the front, the rest seen
+    /// from the back.
+    Front {
+        count: usize,
+    },
+}
+
+impl Sides {
+    /// Of what encloses a volume, how many draw triangles are wound counter-clockwise seen from outside.
+    pub fn outward_count(self) -> Option<usize> {
+        match self {
+            Self::Outside { count } => Some(count),
+            Self::Both | Self::Front { .. } => None,
+        }
+    }
+}
+
 /// A triangle mesh in bind space, vertices in the file's own order.
 #[derive(Debug)]
 pub struct Mesh {
@@ -45,14 +88,14 @@ pub struct Mesh {
     pub(super) positions: Vec<Vec3>,
     pub(super) normals: Vec<Vec3>,
     pub(super) texcoords: Option<Vec<Vec2>>,
+    pub(super) colors: Option<Vec<Vec4>>,
     pub(super) influence_starts: Vec<u32>,
     pub(super) influences: Vec<Influence>,
     pub(super) morph_starts: Vec<u32>,
     pub(super) morph_displacements: Vec<MorphDisplacement>,
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) draw_triangles: Vec<[u32; 3]>,
-    pub(super) material: Option<usize>,
-    pub(super) outward_count: Option<usize>,
+    pub(super) parts: Vec<Part>,
     pub(super) has_negative_weights: bool,
     pub(super) followers: Vec<Followers>,
     pub(super) morph_reach: Vec<(usize, f32)>,
@@ -79,6 +122,11 @@ impl Mesh {
     /// One per vertex; `v` is 0 at the bottom of the picture.
     pub fn texcoords(&self) -> Option<&[Vec2]> {
         self.texcoords.as_deref()
+    }
+
+    /// Linear RGB and opacity, one per vertex: they multiply the material's.
+    pub fn colors(&self) -> Option<&[Vec4]> {
+        self.colors.as_deref()
     }
 
     /// `vertex_count + 1` indices into [`Mesh::influences`]: those of vertex `v` are `starts[v]..starts[v + 1]`, never empty.
@@ -119,21 +167,15 @@ impl Mesh {
         &self.triangles
     }
 
-    /// The same triangles, each wound counter-clockwise about its vertices' normals; in another order where the mesh
-    /// [is closed](Self::outward_count).
+    /// The same triangles, each wound counter-clockwise about its vertices' normals; within a [part](Self::parts) in the order that its
+    /// [sides](Part::sides) say.
     pub fn draw_triangles(&self) -> &[[u32; 3]] {
         &self.draw_triangles
     }
 
-    /// Index into [`Rig::materials`](super::Rig::materials).
-    pub fn material(&self) -> Option<usize> {
-        self.material
-    }
-
-    /// Of a mesh that encloses a volume, whatever the pose: how many [draw triangles](Self::draw_triangles) are wound counter-clockwise
-    /// seen from outside. They come first; the rest are wound counter-clockwise seen from within.
-    pub fn outward_count(&self) -> Option<usize> {
-        self.outward_count
+    /// All triangles, one part after another. At least one.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
     }
 
     /// Where not, a vertex lies between the places that what it follows would put it.
@@ -156,7 +198,12 @@ impl Mesh {
             .texcoords
             .as_ref()
             .map_or(0, |texcoords| size_of_val(texcoords.as_slice()));
+        let colors = self
+            .colors
+            .as_ref()
+            .map_or(0, |colors| size_of_val(colors.as_slice()));
         size_of_val(self.positions.as_slice())
+            + colors
             + size_of_val(self.normals.as_slice())
             + texcoords
             + size_of_val(self.influence_starts.as_slice())

@@ -9,22 +9,26 @@ mod material;
 mod mesh;
 mod morph;
 mod names;
+mod rotation;
 mod skeleton;
 mod texture;
 mod warnings;
 
-pub use clip::{Channel, Clip, Curve, Extrapolation, Key};
+pub use clip::{Channel, Clip, Curve, Extrapolation, Interpolation, Key, slerp};
 pub use dof::{Dof, DofKind, Dofs};
 pub use draft::{
-    BindingDraft, ChannelDraft, ClipDraft, Draft, JointDraft, MeshDraft, MorphDraft, RigError,
+    BindPose, BindingDraft, ChannelDraft, ClipDraft, Draft, JointDraft, MeshDraft, MorphDraft,
+    MorphForm, PartDraft, RigError,
 };
-pub use material::Material;
-pub use mesh::{Binding, Followers, Influence, Mesh};
+pub use material::{Highlight, Material, NormalMap, Opacity, TexturePlace, TextureTransform, Wrap};
+pub use mesh::{Binding, Followers, Influence, Mesh, Part, Sides};
 pub use morph::{Morph, MorphDisplacement};
-pub use skeleton::{Axis, Joint, Limit, RotationOrder, Skeleton};
-pub use texture::{LINEAR_FROM_SRGB, Texture, TextureLevel};
+pub use rotation::{Rotation, RotationOrder};
+pub use skeleton::{Axis, Joint, Limit, Skeleton};
+pub use texture::{Encoding, LINEAR_FROM_SRGB, Texture, TextureLevel};
 pub use warnings::Warnings;
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Largest absolute coordinate, offset or matrix entry of a rig, in its units: far beyond any character, and small enough that
@@ -83,6 +87,12 @@ impl Rig {
         &self.materials
     }
 
+    /// Of all materials; one that several wear comes as often.
+    pub fn textures(&self) -> impl Iterator<Item = &Arc<Texture>> {
+        let places = self.materials.iter().flat_map(Material::textures);
+        places.map(|place| &place.texture)
+    }
+
     /// In load order, as their DOFs stand.
     pub fn morphs(&self) -> &[Morph] {
         &self.morphs
@@ -109,18 +119,20 @@ impl Rig {
     pub fn memory_bytes(&self) -> u64 {
         // A joint with its name, three DOFs and their names in the map comes to about a kibibyte.
         let skeleton = self.skeleton.joints().len() * 1024;
-        let textures: usize = self
-            .materials
-            .iter()
-            .filter_map(|m| m.texture.as_ref())
-            .map(|t| t.memory_bytes())
-            .sum();
+        // One that several materials wear counts once.
+        let mut textures: Vec<_> = self.textures().collect();
+        textures.sort_unstable_by_key(|texture| Arc::as_ptr(texture));
+        textures.dedup_by_key(|texture| Arc::as_ptr(texture));
+        let textures: usize = textures.iter().map(|texture| texture.memory_bytes()).sum();
         let meshes: usize = self.meshes.iter().map(Mesh::memory_bytes).sum();
         let keys: usize = self
             .clips
             .iter()
             .flat_map(|clip| &clip.channels)
-            .map(|channel| std::mem::size_of_val(channel.curve.keys.as_slice()))
+            .map(|channel| match channel {
+                Channel::Dof { curve, .. } => size_of_val(curve.keys.as_slice()),
+                Channel::Rotation { curve, .. } => size_of_val(curve.keys.as_slice()),
+            })
             .sum();
         (skeleton + keys + textures + meshes + std::mem::size_of_val(self.bindings.as_slice()))
             as u64

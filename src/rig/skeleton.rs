@@ -1,5 +1,6 @@
 //! Joints and their degrees of freedom.
 
+use super::{Rotation, RotationOrder};
 use glam::DVec3;
 
 /// Closed range of a DOF, in its unit; infinite ends mean no limit.
@@ -52,15 +53,6 @@ impl Axis {
     }
 }
 
-/// In which order the three Euler angles of a joint are multiplied, on column vectors.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RotationOrder {
-    /// `Rz * Ry * Rx`: x turns first. CSE 169 and glTF.
-    Zyx,
-    /// `Rx * Ry * Rz`: z turns first. MIT 6.837.
-    Xyz,
-}
-
 /// One joint. Lengths in the rig's units, angles in radians.
 #[derive(Debug, Clone)]
 pub struct Joint {
@@ -71,12 +63,16 @@ pub struct Joint {
     /// From the parent's origin to this joint's, in the parent's frame.
     pub offset: DVec3,
     pub rotation_order: RotationOrder,
-    /// The file's own angles about x, y and z, inside `rotation_limits`.
-    pub rest_angles: DVec3,
+    /// The file's own, inside `rotation_limits`.
+    pub rest_rotation: Rotation,
+    /// The file's own, along the joint's own axes.
+    pub rest_scale: DVec3,
     /// About x, y and z.
     pub rotation_limits: [Limit; 3],
     /// Whether it has translation DOFs besides the rotations.
     pub translates: bool,
+    /// Whether it has scale DOFs besides them.
+    pub scales: bool,
     /// Smallest and largest corner in the joint's own frame, where the file gives a box or has a default for it.
     pub bounding_box: Option<[DVec3; 2]>,
 }
@@ -88,7 +84,7 @@ impl Joint {
     }
 }
 
-/// Joints, parents before children; one root, or none in a rig that is only a mesh.
+/// Joints, parents before children; one root or several, or none in a rig that is only a mesh.
 #[derive(Debug)]
 pub struct Skeleton {
     joints: Vec<Joint>,
@@ -160,9 +156,11 @@ mod tests {
             parent: index.checked_sub(1),
             offset: DVec3::NEG_Y * offset,
             rotation_order: RotationOrder::Zyx,
-            rest_angles: DVec3::ZERO,
+            rest_rotation: Rotation::NONE,
+            rest_scale: DVec3::ONE,
             rotation_limits: [Limit::NONE; 3],
             translates: false,
+            scales: false,
             bounding_box: None,
         };
         Skeleton::new(offsets.enumerate().map(joint).collect())

@@ -7,40 +7,59 @@ use std::sync::LazyLock;
 #[derive(Debug)]
 pub struct Texture {
     file: String,
+    encoding: Encoding,
     levels: Vec<TextureLevel>,
 }
 
-/// Opaque texels, rows from the top.
-#[derive(Debug)]
+/// What the bytes of red, green and blue mean. Those of alpha are linear in any case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Encoding {
+    /// Colors.
+    #[default]
+    Srgb,
+    /// Numbers.
+    Linear,
+}
+
+/// Texels, rows from the top.
+#[derive(Debug, PartialEq, Eq)]
 pub struct TextureLevel {
     pub width: u32,
     pub height: u32,
-    /// Red, green, blue in sRGB, and 255.
+    /// Red, green, blue and straight alpha.
     pub texels: Vec<[u8; 4]>,
 }
 
 impl Texture {
     /// `file` is the base name of its file. Each level has half the sides of the one before, rounded down; its texels
-    /// are the mean, in linear light, of the area that they cover.
+    /// are the mean of the area that they cover: of colors in linear light, each as much as it is opaque.
     ///
     /// # Panics
     /// Where the level has no texels, or not as many as its sides say.
-    pub fn new(file: String, full: TextureLevel) -> Self {
+    pub fn new(file: String, encoding: Encoding, full: TextureLevel) -> Self {
         assert!(
             full.width > 0
                 && full.height > 0
                 && full.texels.len() == full.width as usize * full.height as usize
         );
         let mut levels = vec![full];
-        while let Some(next) = levels.last().and_then(TextureLevel::halved) {
+        while let Some(next) = levels.last().and_then(|last| last.halved(encoding)) {
             levels.push(next);
         }
-        Self { file, levels }
+        Self {
+            file,
+            encoding,
+            levels,
+        }
     }
 
     /// The base name of its file.
     pub fn file(&self) -> &str {
         &self.file
+    }
+
+    pub fn encoding(&self) -> Encoding {
+        self.encoding
     }
 
     /// From the full picture to a single texel.
@@ -58,27 +77,23 @@ impl Texture {
 }
 
 impl TextureLevel {
-    fn halved(&self) -> Option<Self> {
+    fn halved(&self, encoding: Encoding) -> Option<Self> {
         if (self.width, self.height) == (1, 1) {
             return None;
         }
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         let (columns, rows) = (shares(self.width, width), shares(self.height, height));
-        let linear = &*LINEAR_FROM_SRGB;
         let mut texels = Vec::with_capacity(width as usize * height as usize);
         for row in &rows {
             for column in &columns {
-                let mut sum = [0.0f32; 3];
+                let mut mean = Mean::default();
                 for &(y, of_row) in row.iter().filter(|(_, share)| *share > 0.0) {
                     for &(x, of_column) in column.iter().filter(|(_, share)| *share > 0.0) {
                         let texel = self.texels[y * self.width as usize + x];
-                        for (sum, channel) in sum.iter_mut().zip(texel) {
-                            *sum += of_row * of_column * linear[channel as usize];
-                        }
+                        mean.add(texel, of_row * of_column, encoding);
                     }
                 }
-                let [r, g, b] = sum.map(srgb);
-                texels.push([r, g, b, 255]);
+                texels.push(mean.texel(encoding));
             }
         }
         Some(Self {
@@ -86,6 +101,58 @@ impl TextureLevel {
             height,
             texels,
         })
+    }
+}
+
+/// Of texels, each with its share.
+#[derive(Default)]
+struct Mean {
+    /// As if all were opaque.
+    color: [f32; 3],
+    /// Each as much as it is opaque.
+    opaque_color: [f32; 3],
+    alpha: f32,
+    /// Whether any is not opaque.
+    is_translucent: bool,
+}
+
+impl Mean {
+    fn add(&mut self, [r, g, b, alpha]: [u8; 4], share: f32, encoding: Encoding) {
+        let opacity = f32::from(alpha) / 255.0;
+        self.alpha += share * opacity;
+        self.is_translucent |= alpha < 255;
+        for (channel, byte) in [r, g, b].into_iter().enumerate() {
+            let number = match encoding {
+                Encoding::Srgb => LINEAR_FROM_SRGB[byte as usize],
+                Encoding::Linear => f32::from(byte) / 255.0,
+            };
+            self.color[channel] += share * number;
+            self.opaque_color[channel] += share * opacity * number;
+        }
+    }
+
+    fn texel(self, encoding: Encoding) -> [u8; 4] {
+        let byte = |number: f32| (number * 255.0 + 0.5) as u8;
+        // Nobody sees the colors of what is transparent throughout, but its neighbours are mixed with them.
+        let color = if self.is_translucent && self.alpha > 0.0 {
+            self.opaque_color.map(|channel| channel / self.alpha)
+        } else {
+            self.color
+        };
+        let [r, g, b] = color.map(|channel| match encoding {
+            Encoding::Srgb => srgb(channel),
+            Encoding::Linear => byte(channel),
+        });
+        [
+            r,
+            g,
+            b,
+            if self.is_translucent {
+                byte(self.alpha)
+            } else {
+                255
+            },
+        ]
     }
 }
 
@@ -139,6 +206,7 @@ mod tests {
             .collect();
         Texture::new(
             "t.png".to_owned(),
+            Encoding::Srgb,
             TextureLevel {
                 width,
                 height,
@@ -183,5 +251,23 @@ mod tests {
         // Three columns, one of them white, in one: a third of the light.
         let third = texture(3, 1, |x, _| [if x == 1 { 255 } else { 0 }; 3]).levels[1].texels[0][0];
         assert_eq!(third, 156);
+    }
+
+    #[test]
+    fn transparent_texels_lend_no_color_and_numbers_are_averaged_as_they_are() {
+        let level = |texels: [[u8; 4]; 2]| TextureLevel {
+            width: 2,
+            height: 1,
+            texels: texels.to_vec(),
+        };
+        let one = |encoding, texels| {
+            Texture::new(String::new(), encoding, level(texels)).levels[1].texels[0]
+        };
+        let leaf = [[10, 200, 30, 255], [255, 0, 255, 0]];
+        assert_eq!(one(Encoding::Srgb, leaf), [10, 200, 30, 128]);
+        let numbers = [[0, 100, 255, 255], [100, 200, 255, 255]];
+        assert_eq!(one(Encoding::Linear, numbers), [50, 150, 255, 255]);
+        let clear = [[40, 40, 40, 0], [40, 40, 40, 0]];
+        assert_eq!(one(Encoding::Srgb, clear), [40, 40, 40, 0]);
     }
 }

@@ -141,49 +141,42 @@ impl Default for Background {
     }
 }
 
-/// The surface of everything drawn, for Blinn-Phong.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// The surface of everything drawn, for Blinn-Phong. What is given stands in place of what a file's material says.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Surface {
-    /// Where it is not given, [`Surface::DIFFUSE`], or white under a texture.
+    /// Where neither gives it, [`Surface::DIFFUSE`], or white under a texture.
     pub diffuse: Option<Color>,
-    pub specular: Color,
-    /// The exponent on n·h.
-    pub shininess: f32,
+    /// Where neither gives it, [`Surface::SPECULAR`].
+    pub specular: Option<Color>,
+    /// The exponent on n·h. Where neither gives it, [`Surface::SHININESS`].
+    pub shininess: Option<f32>,
 }
 
 impl Surface {
     pub const DIFFUSE: Color = Color::constant(0.60, 0.50, 0.42);
+    pub const SPECULAR: Color = Color::constant(0.14, 0.14, 0.14);
+    pub const SHININESS: f32 = 32.0;
 
     /// # Errors
     /// Where the exponent is outside 0..10000.
     pub fn new(
         diffuse: Option<Color>,
-        specular: Color,
-        shininess: f64,
+        specular: Option<Color>,
+        shininess: Option<f64>,
     ) -> Result<Self, SceneError> {
         // Past this an exponent's highlight is smaller than a pixel and pow underflows everywhere else.
-        let inside = (0.0..=10_000.0).contains(&shininess);
+        let inside = shininess.is_none_or(|shininess| (0.0..=10_000.0).contains(&shininess));
         SceneError::unless(
             inside,
             "material.shininess",
             "a number from 0 to 10000",
-            shininess,
+            shininess.unwrap_or_default(),
         )?;
         Ok(Self {
             diffuse,
             specular,
-            shininess: shininess as f32,
+            shininess: shininess.map(|shininess| shininess as f32),
         })
-    }
-}
-
-impl Default for Surface {
-    fn default() -> Self {
-        Self {
-            diffuse: None,
-            specular: Color::constant(0.14, 0.14, 0.14),
-            shininess: 32.0,
-        }
     }
 }
 

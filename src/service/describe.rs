@@ -4,9 +4,10 @@ use crate::engine::{EngineError, LoadedRig, RigRef};
 use crate::formats::{self, FileRef, Source};
 use crate::limits::Limits;
 use crate::pose::Clamped;
+use crate::protocol::mesh::MeshPart;
 use crate::protocol::pose as wire_pose;
 use crate::protocol::rig as wire;
-use crate::rig::{Dof, DofKind, Joint, Limit, Rig, RotationOrder};
+use crate::rig::{Channel, Dof, DofKind, Joint, Limit, Mesh, Opacity, Part, Rig, RotationOrder};
 use crate::scene::Bounds;
 
 /// What `rig.describe` would answer for these files, without keeping them and without a renderer.
@@ -66,7 +67,8 @@ pub(super) fn description(found: &RigRef) -> wire::RigDescription {
                 name: mesh.name().to_owned(),
                 vertex_count: mesh.vertex_count() as u64,
                 triangle_count: mesh.triangles().len() as u64,
-                material: material_name(rig, mesh.material()),
+                material: material_name(rig, mesh.parts()[0].material),
+                parts: parts(rig, mesh),
                 has_texcoords: mesh.texcoords().is_some(),
             })
             .collect(),
@@ -78,7 +80,15 @@ pub(super) fn description(found: &RigRef) -> wire::RigDescription {
                 texture: material
                     .texture
                     .as_ref()
-                    .map(|texture| texture.file().to_owned()),
+                    .map(|place| place.texture.file().to_owned()),
+                color: material.color.map(|color| color.as_dvec4().to_array()),
+                opacity: match material.opacity {
+                    Opacity::Opaque => wire::Opacity::Opaque,
+                    Opacity::Mask(_) => wire::Opacity::Mask,
+                    Opacity::Blend => wire::Opacity::Blend,
+                },
+                single_sided: material.is_single_sided,
+                unlit: material.is_unlit,
             })
             .collect(),
         morphs: rig
@@ -96,11 +106,26 @@ pub(super) fn description(found: &RigRef) -> wire::RigDescription {
             .map(|clip| wire::ClipDescription {
                 name: clip.name.clone(),
                 range: clip.range,
-                channel_count: clip.channels.len() as u64,
+                channel_count: clip.channels.iter().map(dofs_set).sum(),
             })
             .collect(),
         bounds: bounds(&found.loaded.rest_bounds),
     }
+}
+
+fn dofs_set(channel: &Channel) -> u64 {
+    match channel {
+        Channel::Dof { .. } => 1,
+        Channel::Rotation { .. } => 3,
+    }
+}
+
+pub(super) fn parts(rig: &Rig, mesh: &Mesh) -> Vec<MeshPart> {
+    let part = |part: &Part| MeshPart {
+        triangle_count: part.triangles.len() as u64,
+        material: material_name(rig, part.material),
+    };
+    mesh.parts().iter().map(part).collect()
 }
 
 pub(super) fn material_name(rig: &Rig, material: Option<usize>) -> Option<String> {
@@ -151,6 +176,7 @@ fn dof(dof: &Dof, joints: &[Joint], value: f64) -> wire::DofDescription {
         kind: match dof.kind {
             DofKind::Translation { .. } => wire::DofKind::Translation,
             DofKind::Rotation { .. } => wire::DofKind::Rotation,
+            DofKind::Scale { .. } => wire::DofKind::Scale,
             DofKind::Morph { .. } => wire::DofKind::Morph,
         },
         joint: dof.kind.joint().map(|joint| joints[joint].name.clone()),

@@ -150,7 +150,8 @@ impl Call {
                 name: mesh.name().to_owned(),
                 vertex_count: vertex_count as u64,
                 triangle_count: triangle_count as u64,
-                material: describe::material_name(&rig, mesh.material()),
+                material: describe::material_name(&rig, mesh.parts()[0].material),
+                parts: describe::parts(&rig, mesh),
                 triangles,
                 texcoords,
             });

@@ -40,6 +40,7 @@ impl Call {
                 .transpose()
                 .map_err(EngineError::from)?,
             skin: (skin && scene.show.shows_skin()).then(|| scene.show.skin.shape()),
+            cull: scene.cull,
         };
         let (posed, clamped) = self.posed(&params.pose, &found)?;
         let clamped = describe::clamped(&rig, &clamped);

@@ -22,11 +22,11 @@ impl Call {
             .iter()
             .enumerate()
             .map(|(index, joint)| {
-                let (translation, rotation) = stored.local(index);
+                let local = stored.local(index);
                 let local = wire::LocalTransform {
-                    translation: translation.to_array(),
-                    rotation: rotation.to_array(),
-                    scale: [1.0; 3],
+                    translation: local.translation.to_array(),
+                    rotation: local.rotation.to_array(),
+                    scale: local.scale.to_array(),
                 };
                 (joint.name.clone(), local)
             });
@@ -175,11 +175,7 @@ impl Call {
         Ok((
             base,
             PoseEdit {
-                clip: pose
-                    .clip
-                    .as_ref()
-                    .map(|clip| clip_at(clip, rig))
-                    .transpose()?,
+                clips: clips(pose, rig)?,
                 rotations: rotations(&pose.rotations, rig)?,
                 dofs,
                 limits: of_limits(pose.limits),
@@ -244,8 +240,10 @@ fn located(error: EngineError, pose: &wire::Pose) -> Fault {
         format!("pose.dofs.{}", outside.dof)
     } else if pose.dof_values.is_some() {
         "pose.dof_values".to_owned()
-    } else if pose.rotations.is_empty() {
+    } else if pose.rotations.is_empty() && pose.clip.is_some() {
         "pose.clip".to_owned()
+    } else if pose.rotations.is_empty() {
+        "pose.clips".to_owned()
     } else {
         "pose.rotations".to_owned()
     };
@@ -260,21 +258,45 @@ fn of_limits(limits: wire::LimitPolicy) -> LimitPolicy {
     }
 }
 
-fn clip_at(wanted: &wire::ClipAt, rig: &Rig) -> Result<ClipAt, EngineError> {
-    let clip = rig.clips().iter().position(|clip| clip.name == wanted.name);
-    let time = wanted.time;
+fn clips(pose: &wire::Pose, rig: &Rig) -> Result<Vec<ClipAt>, EngineError> {
+    if let Some(wire::ClipAt { name, time }) = &pose.clip {
+        if !pose.clips.is_empty() {
+            let problem = "expected either `clip` or `clips`, but found both";
+            return Err(no_such("pose.clips", problem));
+        }
+        return Ok(vec![clip_at(name, *time, 1.0, "pose.clip", rig)?]);
+    }
+    let clip = |(index, clip): (usize, &wire::WeightedClip)| {
+        let field = format!("pose.clips[{index}]");
+        clip_at(&clip.name, clip.time, clip.weight, &field, rig)
+    };
+    pose.clips.iter().enumerate().map(clip).collect()
+}
+
+fn clip_at(
+    name: &str,
+    time: f64,
+    weight: f64,
+    field: &str,
+    rig: &Rig,
+) -> Result<ClipAt, EngineError> {
     // As far as the keys of a clip can be.
     if time.abs() > LARGEST_COORDINATE {
         let problem = format!("expected a time within ±{LARGEST_COORDINATE:e}, but found {time:e}");
-        return Err(no_such("pose.clip.time", problem));
+        return Err(no_such(format!("{field}.time"), problem));
     }
-    match clip {
-        Some(clip) => Ok(ClipAt { clip, time }),
+    if !(0.0..=LARGEST_COORDINATE).contains(&weight) {
+        let problem =
+            format!("expected a number from 0 to {LARGEST_COORDINATE:e}, but found {weight:e}");
+        return Err(no_such(format!("{field}.weight"), problem));
+    }
+    match rig.clips().iter().position(|clip| clip.name == name) {
+        Some(clip) => Ok(ClipAt { clip, time, weight }),
         None => {
             let known = rig.clips().iter().map(|clip| clip.name.as_str());
             Err(no_such(
-                "pose.clip.name",
-                unknown("clip", &wanted.name, known),
+                format!("{field}.name"),
+                unknown("clip", name, known),
             ))
         }
     }

@@ -191,20 +191,15 @@ pub(super) fn of_skinning(skinning: wire::Skinning) -> Skinning {
 }
 
 fn of_material(material: &wire::Material) -> Result<Surface, SceneError> {
-    let Surface {
-        diffuse,
-        specular,
-        shininess,
-    } = Surface::default();
+    let color = |given: Option<[f64; 3]>, field| {
+        given
+            .map(|channels| Color::new(channels, field))
+            .transpose()
+    };
     Surface::new(
-        match material.diffuse {
-            None => diffuse,
-            Some(diffuse) => Some(Color::new(diffuse, "material.diffuse")?),
-        },
-        material.specular.map_or(Ok(specular), |specular| {
-            Color::new(specular, "material.specular")
-        })?,
-        material.shininess.unwrap_or(f64::from(shininess)),
+        color(material.diffuse, "material.diffuse")?,
+        color(material.specular, "material.specular")?,
+        material.shininess,
     )
 }
 

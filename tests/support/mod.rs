@@ -3,8 +3,11 @@
 // Every test file is a crate of its own and uses a part of this.
 #![allow(dead_code, reason = "each test uses a part")]
 
+pub mod alike;
+pub mod gltf;
 pub mod oracle;
 pub mod pictures;
+pub mod quads;
 pub mod server;
 pub mod suite;
 

@@ -31,6 +31,21 @@ pub fn load_corners(service: &Arc<Service>) {
     );
 }
 
+/// A character with materials of its own.
+pub fn load_reed(service: &Arc<Service>) {
+    let file = include_bytes!("../../assets/gltf/reed.glb");
+    let files = json!([with_base64("reed.glb", file)]);
+    ask_ok(service, "rig.load", json!({"files": files}));
+}
+
+/// The reed as its file has it.
+fn reed(changes: Value) -> Value {
+    let before =
+        json!({"kind": "look_at", "eye": [1.2, 1.2, 3], "target": [0, 0.72, 0], "fov_y": 0.55});
+    let own = json!({"rig": "reed", "camera": before, "material": {}});
+    over(base(own), changes)
+}
+
 /// The figure from the front left, its texture as it is, in a warm and a cool light; what could change with a default is spelled out.
 pub fn base(changes: Value) -> Value {
     let before =
@@ -52,7 +67,7 @@ fn fill() -> Value {
     json!({"kind": "directional", "direction": [-0.9, -0.1, 0.2], "color": [0.4, 0.6, 1], "intensity": 0.6})
 }
 
-/// Name and request of each; `corners` is [loaded](load_corners) beside the figure.
+/// Name and request of each; [corners](load_corners) and [reed](load_reed) are loaded beside the figure.
 pub fn suite() -> Vec<(&'static str, Value)> {
     let show = |skin: &str, skeleton: &str, opacity: f64| json!({"show": {"skin": skin, "skeleton": skeleton, "skin_opacity": opacity, "normals": "smooth"}});
     let point = |falloff: &str| json!({"lights": [{"kind": "point", "position": [0.7, 1.7, 0.8], "color": [1, 0.8, 0.5], "intensity": 0.9, "falloff": falloff}]});
@@ -77,6 +92,25 @@ pub fn suite() -> Vec<(&'static str, Value)> {
     let flat = json!({"show": {"skin": "posed", "skeleton": "none", "skin_opacity": 1, "normals": "flat"}});
     let clear = json!({"size": [60, 120], "background": [0, 0, 0, 0]});
     vec![
+        ("reed_rest", reed(json!({}))),
+        (
+            "reed_hop",
+            reed(
+                json!({"pose": {"base": "rest", "clip": {"name": "hop", "time": 0.8}}, "samples": 1}),
+            ),
+        ),
+        (
+            "reed_blend",
+            reed(json!({"pose": {"base": "rest", "clips": [
+                {"name": "hop", "time": 0.3, "weight": 0.5}, {"name": "sway", "time": 1.4, "weight": 1},
+            ]}, "material": {"diffuse": [0.7, 0.7, 0.7], "shininess": 9}})),
+        ),
+        (
+            "reed_translucent",
+            reed(
+                json!({"show": {"skin": "posed", "skeleton": "sticks", "skin_opacity": 0.5, "normals": "flat"}}),
+            ),
+        ),
         ("camera_orbit", base(json!({"camera": orbit}))),
         ("camera_look_at", base(json!({}))),
         ("camera_orthographic", base(json!({"camera": orthographic}))),

@@ -132,21 +132,48 @@ fn joint_tree(rig: &RigDescription) -> Tree {
     for joint in &rig.joints {
         let parent = joint.parent.as_ref().and_then(|parent| nodes.get(parent));
         let node = tree.push(parent.copied(), joint.name.clone());
-        for dof in dofs.remove(joint.name.as_str()).unwrap_or_default() {
-            let suffix = dof.name.strip_prefix(&joint.name).unwrap_or(&dof.name);
-            tree.note(node, format!("{suffix}{}", value_of(dof)));
+        let own = dofs.remove(joint.name.as_str()).unwrap_or_default();
+        for alike in own.chunk_by(|a, b| a.kind == b.kind && is_free(a) && is_free(b)) {
+            let suffix = |dof: &&DofDescription| {
+                let name = dof.name.strip_prefix(&joint.name);
+                name.unwrap_or(&dof.name).to_owned()
+            };
+            let names: Vec<_> = alike.iter().map(suffix).collect();
+            tree.note(node, format!("{}{}", names.join(" "), values_of(alike)));
         }
         nodes.insert(&joint.name, node);
     }
     tree
 }
 
+fn is_free(dof: &DofDescription) -> bool {
+    (dof.min, dof.max) == (None, None)
+}
+
+/// What degrees of freedom of one kind are at rest, and where a single one may go.
+fn values_of(alike: &[&DofDescription]) -> String {
+    match alike {
+        [dof] => value_of(dof),
+        several => {
+            let numbers: Vec<_> = several
+                .iter()
+                .map(|dof| number(dof.kind, dof.rest))
+                .collect();
+            format!(" = {}", numbers.join(" "))
+        }
+    }
+}
+
+fn number(kind: DofKind, value: f64) -> String {
+    match kind {
+        DofKind::Rotation => format!("{:.1}°", value.to_degrees()),
+        DofKind::Translation | DofKind::Scale | DofKind::Morph => format!("{value:.4}"),
+    }
+}
+
 /// What a degree of freedom is at rest, and where it may go.
 fn value_of(dof: &DofDescription) -> String {
-    let number = |value: f64| match dof.kind {
-        DofKind::Rotation => format!("{:.1}°", value.to_degrees()),
-        DofKind::Translation | DofKind::Morph => format!("{value:.4}"),
-    };
+    let number = |value: f64| number(dof.kind, value);
     let limits = match (dof.min, dof.max) {
         (None, None) => String::new(),
         (min, max) => {

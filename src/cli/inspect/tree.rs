@@ -28,7 +28,7 @@ impl Tree {
             None => self.roots.push(index),
         }
         self.nodes.push(Node {
-            line,
+            line: one_line(line),
             notes: Vec::new(),
             children: Vec::new(),
         });
@@ -36,7 +36,7 @@ impl Tree {
     }
 
     pub fn note(&mut self, node: usize, line: String) {
-        self.nodes[node].notes.push(line);
+        self.nodes[node].notes.push(one_line(line));
     }
 
     pub fn is_empty(&self) -> bool {
@@ -79,6 +79,22 @@ impl Tree {
     }
 }
 
+/// Names out of a file may hold line ends, or what terminals act on.
+fn one_line(line: String) -> String {
+    if !line.contains(char::is_control) {
+        return line;
+    }
+    let mut plain = String::with_capacity(line.len());
+    for c in line.chars() {
+        if c.is_control() {
+            plain.extend(c.escape_default());
+        } else {
+            plain.push(c);
+        }
+    }
+    plain
+}
+
 struct Waiting {
     node: usize,
     level: usize,
@@ -111,7 +127,7 @@ mod tests {
         tree.push(Some(thigh), "shin".to_owned());
         tree.note(hip, ".rx".to_owned());
         tree.note(thigh, ".rx".to_owned());
-        tree.note(spine, ".rx".to_owned());
+        tree.note(spine, ".r\nx".to_owned());
         let mut text = String::new();
         tree.write(&mut text).unwrap();
         let wanted = "\
@@ -121,7 +137,7 @@ mod tests {
    │  │   .rx
    │  └─ shin
    └─ spine
-          .rx
+          .r\\nx
 ";
         assert_eq!(text, wanted);
     }

@@ -21,7 +21,7 @@ use crate::formats::error::{FileFault, LoadError};
 use crate::formats::lexer::{Lexer, Token, parse_number};
 use crate::limits::Limits;
 use crate::rig::{
-    Axis, ChannelDraft, ClipDraft, Curve, DofKind, Extrapolation, JointDraft, Key,
+    Axis, ChannelDraft, ClipDraft, Curve, DofKind, Extrapolation, Interpolation, JointDraft, Key,
     LARGEST_COORDINATE, Warnings,
 };
 
@@ -67,7 +67,7 @@ struct Reader<'a, 'w> {
     announced: Option<(u64, Token<'a>)>,
     /// The first channel that was not announced.
     surplus: Option<Token<'a>>,
-    curves: Vec<Curve>,
+    curves: Vec<Curve<f64>>,
     /// Of all channels together.
     key_count: u64,
 }
@@ -164,6 +164,7 @@ impl<'a> Reader<'a, '_> {
         }
         let [before, after] = extrapolation.unwrap_or([Extrapolation::Constant; 2]);
         self.curves.push(Curve {
+            interpolation: Interpolation::Cubic,
             keys: keys.unwrap_or_default(),
             before,
             after,
@@ -204,7 +205,7 @@ impl<'a> Reader<'a, '_> {
         })
     }
 
-    fn read_keys(&mut self, keyword: Token<'a>) -> Result<Vec<Key>, LoadError> {
+    fn read_keys(&mut self, keyword: Token<'a>) -> Result<Vec<Key<f64>>, LoadError> {
         let (so_far, limits) = (self.key_count, self.limits);
         let hold = |count: u64| limits.keys(count.saturating_add(so_far));
         let lexer = &mut self.lexer;
@@ -284,7 +285,7 @@ impl<'a> Reader<'a, '_> {
             name: String::new(),
             range: self.range.unwrap_or_default(),
             channels: channels
-                .map(|(curve, target)| ChannelDraft { target, curve })
+                .map(|(curve, target)| ChannelDraft::Dof { target, curve })
                 .collect(),
         }
     }
@@ -335,7 +336,7 @@ fn read_tangent(lexer: &mut Lexer, place: impl Fn() -> String) -> Result<Tangent
     Ok(tangent)
 }
 
-fn resolved(keys: &[DrawnKey], index: usize) -> Key {
+fn resolved(keys: &[DrawnKey], index: usize) -> Key<f64> {
     let key = &keys[index];
     let before = index.checked_sub(1).map_or(key, |before| &keys[before]);
     let behind = keys.get(index + 1).unwrap_or(key);

@@ -16,7 +16,7 @@ use super::name_and_brace;
 use crate::formats::error::{FileFault, LoadError};
 use crate::formats::lexer::{Lexer, Token, parse_number};
 use crate::limits::Limits;
-use crate::rig::{JointDraft, Limit, RotationOrder, Warnings};
+use crate::rig::{JointDraft, Limit, Rotation, Warnings};
 use glam::DVec3;
 
 /// The course's own.
@@ -122,12 +122,9 @@ impl<'a> Reader<'a, '_> {
         self.joints.push(JointDraft {
             name: name.to_owned(),
             parent,
-            offset: DVec3::ZERO,
-            rotation_order: RotationOrder::Zyx,
-            rest_angles: DVec3::ZERO,
-            rotation_limits: [Limit::NONE; 3],
             translates: parent.is_none(),
             bounding_box: Some(DEFAULT_BOX),
+            ..JointDraft::default()
         });
         self.open.push(OpenJoint {
             index,
@@ -174,7 +171,7 @@ impl<'a> Reader<'a, '_> {
         let joint = &mut self.joints[index];
         match property {
             Property::Offset => joint.offset = vector()?,
-            Property::Pose => joint.rest_angles = vector()?,
+            Property::Pose => joint.rest_rotation = Rotation::Angles(vector()?),
             Property::Corner(which) => {
                 joint.bounding_box.get_or_insert(DEFAULT_BOX)[which] = vector()?;
             }

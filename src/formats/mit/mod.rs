@@ -9,7 +9,7 @@ mod statements;
 #[cfg(test)]
 mod tests;
 
-use crate::rig::{BindingDraft, JointDraft};
+use crate::rig::{BindPose, BindingDraft, JointDraft};
 use glam::{DAffine3, DVec3};
 
 /// Where each joint stands when nothing is turned, which is how the course's meshes were bound: one binding per joint.
@@ -24,7 +24,7 @@ pub(super) fn bindings(joints: &[JointDraft]) -> Vec<BindingDraft> {
     }
     let binding = |(joint, position_in_bind)| BindingDraft {
         joint: Some(joint),
-        bind_from_joint: DAffine3::from_translation(position_in_bind),
+        stood: BindPose::BindFromJoint(DAffine3::from_translation(position_in_bind)),
     };
     positions_in_bind
         .into_iter()

@@ -11,7 +11,7 @@
 use crate::formats::error::{FileFault, LoadError};
 use crate::formats::lexer::{Lexer, Token, parse_number};
 use crate::limits::Limits;
-use crate::rig::{Axis, JointDraft, Limit, RotationOrder, Warnings};
+use crate::rig::{Axis, JointDraft, RotationOrder, Warnings};
 use glam::DVec3;
 
 /// Joints in the order of their lines, which puts parents before their children.
@@ -56,10 +56,8 @@ fn read_joint<'a>(
         parent,
         offset,
         rotation_order: RotationOrder::Xyz,
-        rest_angles: DVec3::ZERO,
-        rotation_limits: [Limit::NONE; 3],
         translates: parent.is_none(),
-        bounding_box: None,
+        ..JointDraft::default()
     })
 }
 

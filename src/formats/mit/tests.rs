@@ -4,7 +4,7 @@ use super::attach::{self, AttachedTo, Attachments};
 use super::{bindings, obj, skel};
 use crate::formats::lexer::Lexer;
 use crate::limits::Limits;
-use crate::rig::{JointDraft, Limit, RotationOrder, Warnings};
+use crate::rig::{BindPose, BindingDraft, JointDraft, Limit, Rotation, RotationOrder, Warnings};
 use glam::DVec3;
 
 fn skel(text: &str) -> Result<(Vec<JointDraft>, Vec<String>), String> {
@@ -62,7 +62,7 @@ fn joints_turn_freely_about_z_first_and_only_the_root_moves() {
     assert_eq!(translates, [true, false, false]);
     for joint in joints {
         assert_eq!(joint.rotation_order, RotationOrder::Xyz);
-        assert_eq!(joint.rest_angles, DVec3::ZERO);
+        assert_eq!(joint.rest_rotation, Rotation::NONE);
         assert_eq!(joint.rotation_limits, [Limit::NONE; 3]);
         assert_eq!(joint.bounding_box, None);
     }
@@ -73,7 +73,7 @@ fn bindings_stand_where_the_joints_are_when_nothing_is_turned() {
     let (joints, _) = skel("1 2 3 -1\n10 0 0 0\n0 10 0 0\n0 0 10 1\n").expect("it is a skeleton");
     let found: Vec<_> = bindings(&joints)
         .iter()
-        .map(|binding| (binding.joint, binding.bind_from_joint.translation))
+        .map(|binding| (binding.joint, stood(binding).translation))
         .collect();
     let wanted = [
         [1.0, 2.0, 3.0],
@@ -86,7 +86,7 @@ fn bindings_stand_where_the_joints_are_when_nothing_is_turned() {
         .collect();
     assert_eq!(found, wanted);
     for binding in bindings(&joints) {
-        assert_eq!(binding.bind_from_joint.matrix3, glam::DMat3::IDENTITY);
+        assert_eq!(stood(&binding).matrix3, glam::DMat3::IDENTITY);
     }
 }
 
@@ -325,5 +325,12 @@ fn the_courses_own_models_are_read_whole() {
         }
         assert_eq!(first, found.influences.len());
         assert_eq!(warnings.into_sentences(), [""; 0]);
+    }
+}
+
+fn stood(binding: &BindingDraft) -> glam::DAffine3 {
+    match binding.stood {
+        BindPose::BindFromJoint(bind_from_joint) => bind_from_joint,
+        BindPose::JointFromBind(_) => panic!("the course has joints as they stood"),
     }
 }

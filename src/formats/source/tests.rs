@@ -203,8 +203,8 @@ fn textures_are_looked_up_beside_their_skin() {
             .texture
             .as_ref()
             .expect("it lies beside the skin");
-        assert_eq!(texture.file(), "skin.bmp");
-        assert_eq!(texture.levels()[0].texels, [[3, 2, 1, 255]]);
+        assert_eq!(texture.texture.file(), "skin.bmp");
+        assert_eq!(texture.texture.levels()[0].texels, [[3, 2, 1, 255]]);
     }
 }
 

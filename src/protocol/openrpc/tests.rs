@@ -148,7 +148,15 @@ fn what_the_parser_takes_and_refuses_so_does_the_schema() {
                 (false, json!({"rig": "a", "samples": 2})),
                 (false, json!({"rig": "a", "transport": "json"})),
                 (false, json!({"rig": "a", "show": {"skin": "gone"}})),
-                (false, json!({"rig": "a", "pose": {"clips": []}})),
+                (false, json!({"rig": "a", "pose": {"clip": []}})),
+                (
+                    true,
+                    json!({"rig": "a", "pose": {"clips": [{"name": "walk", "time": 0.0}]}}),
+                ),
+                (
+                    false,
+                    json!({"rig": "a", "pose": {"clips": [{"name": "walk"}]}}),
+                ),
             ],
         ),
         (
@@ -324,7 +332,7 @@ fn arrays_fit_their_schema_and_wrong_ones_do_not() {
         let triangles = Numbers::Uint32(vec![0, 1, 2]);
         let triangles = Blob::array(triangles, &[1, 3], transport, &mut attachments);
         let topology = json!({
-            "meshes": [{"name": "skin", "vertex_count": 3, "triangle_count": 1, "material": null, "triangles": triangles}],
+            "meshes": [{"name": "skin", "vertex_count": 3, "triangle_count": 1, "material": null, "parts": [{"triangle_count": 1, "material": null}], "triangles": triangles}],
         });
         check::<Topology>(
             Method::MeshTopology,
@@ -346,8 +354,8 @@ fn other_results_fit_their_schemas_and_wrong_ones_do_not() {
     let mut description = json!({
         "joints": [{"name": "root", "parent": null, "offset": [0.0, 0.0, 0.0], "rotation_order": "zyx", "bounding_box": null}],
         "dofs": [{"name": "root.rx", "kind": "rotation", "joint": "root", "min": null, "max": 1.0, "rest": 0.0, "value": 0.0}],
-        "meshes": [{"name": "skin", "vertex_count": 0, "triangle_count": 0, "material": "fur", "has_texcoords": true}],
-        "materials": [{"name": "fur", "texture": null}],
+        "meshes": [{"name": "skin", "vertex_count": 0, "triangle_count": 0, "material": "fur", "parts": [{"triangle_count": 0, "material": "fur"}], "has_texcoords": true}],
+        "materials": [{"name": "fur", "texture": null, "color": [1.0, 0.5, 0.25, 1.0], "opacity": "blend", "single_sided": false, "unlit": false}],
         "morphs": [], "clips": [],
         "bounds": {"min": [0.0, 0.0, 0.0], "max": [1.0, 1.0, 1.0]},
     });

@@ -249,9 +249,9 @@ fn a_fault_in_a_pose_has_its_path_and_says_what_was_expected() {
             "expected one of `stored`, `rest`, but found string \"bind\"",
         ),
         (
-            r#"{"rig":"a","pose":{"clips":[{"name":"walk","time":0}]}}"#,
-            "pose.clips",
-            "unknown field `clips`; did you mean `clip`?",
+            r#"{"rig":"a","pose":{"clips":[{"name":"walk","time":0,"wieght":1}]}}"#,
+            "pose.clips[0].wieght",
+            "unknown field `wieght`; did you mean `weight`?",
         ),
         (
             r#"{"rig":"a","pose":{"clip":{"name":"walk"}}}"#,

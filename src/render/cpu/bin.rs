@@ -221,6 +221,36 @@ pub(super) struct OfTile<'a> {
     many: &'a [Reaching],
 }
 
+impl OfTile<'_> {
+    /// Those with a smaller number than `end`.
+    pub fn before(self, end: u32) -> Self {
+        // Most often that is all of them.
+        let few = match self.few {
+            [.., last] if *last >= end => &self.few[..self.few.partition_point(|it| *it < end)],
+            few => few,
+        };
+        let many = match self.many {
+            [.., last] if last.triangle >= end => {
+                let count = self.many.partition_point(|it| it.triangle < end);
+                &self.many[..count]
+            }
+            many => many,
+        };
+        Self { few, many, ..self }
+    }
+
+    /// The others.
+    pub fn from(self, start: u32) -> Self {
+        let few = self.few.partition_point(|it| *it < start);
+        let many = self.many.partition_point(|it| it.triangle < start);
+        Self {
+            few: &self.few[few..],
+            many: &self.many[many..],
+            ..self
+        }
+    }
+}
+
 impl Iterator for OfTile<'_> {
     type Item = u32;
 

@@ -135,6 +135,7 @@ impl Unplaced {
                 position: mix(from.position, to.position, share),
                 normal: mix(from.normal, to.normal, share),
                 texcoord: mix(from.texcoord, to.texcoord, share),
+                color: mix(from.color, to.color, share),
                 ..from
             },
         }

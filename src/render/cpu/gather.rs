@@ -2,10 +2,11 @@
 //! Never lives here: light.
 
 use super::bin::side;
+use super::coated::{CoatedTriangle, Texcoords};
 use super::geometry::Paint;
 use super::interpolate::Planes;
 use super::samples::{BLOCK, EIGHTHS, NONE};
-use super::shade::{Fragment, Fragments};
+use super::shade::{Finish, Fragment, Fragments};
 use super::texture;
 use super::tile::Picturing;
 use crate::render::cull::Side;
@@ -17,10 +18,47 @@ pub(super) struct Gather<'a> {
     pub picture: &'a Picturing<'a>,
     /// The picture's pixel at the block's upper left corner.
     pub at: [u32; 2],
-    /// By the numbers that samples keep.
-    pub drawn: &'a mut [Drawn],
-    pub looked_up: &'a mut Vec<LookedUp>,
+    drawn: &'a mut [Drawn],
+    looked_up: &'a mut Vec<LookedUp>,
+    coated: &'a mut Vec<CoatedTriangle>,
     pub fragments: &'a mut Fragments,
+}
+
+/// Triangles of a tile, and what was found out about them.
+#[derive(Default)]
+pub(super) struct Triangles {
+    /// By the numbers that samples keep.
+    pub drawn: Vec<Drawn>,
+    looked_up: Vec<LookedUp>,
+    /// Of those that are looked up, the ones with coats.
+    coated: Vec<CoatedTriangle>,
+}
+
+impl Triangles {
+    pub fn clear(&mut self) {
+        self.drawn.clear();
+        self.looked_up.clear();
+        self.coated.clear();
+    }
+
+    /// For the block with the picture's pixel `at` at its upper left corner.
+    #[inline(always)]
+    pub fn gather<'a>(
+        &'a mut self,
+        picture: &'a Picturing<'a>,
+        at: [u32; 2],
+        fragments: &'a mut Fragments,
+    ) -> Gather<'a> {
+        fragments.count = 0;
+        Gather {
+            picture,
+            at,
+            drawn: &mut self.drawn,
+            looked_up: &mut self.looked_up,
+            coated: &mut self.coated,
+            fragments,
+        }
+    }
 }
 
 /// A triangle that reaches the tile.
@@ -34,7 +72,7 @@ pub(super) struct Drawn {
 }
 
 /// A triangle that is seen.
-pub(super) struct LookedUp {
+struct LookedUp {
     planes: Planes,
     color: Scatter,
 }
@@ -45,18 +83,25 @@ enum Scatter {
     Everywhere([f32; 4]),
     /// The texture of the surface of this number.
     Texture(u32),
+    /// What the coated triangle of this number does.
+    Coat(u32),
 }
 
 impl Gather<'_> {
-    /// What the samples of a block show.
+    /// What the samples of a block show. `COATED`: there may be coated surfaces among it.
     #[inline(always)]
-    pub fn block<S: Simd, const SAMPLES: usize>(&mut self, simd: S, shown: &[u32]) {
+    pub fn block<S: Simd, const SAMPLES: usize, const COATED: bool>(
+        &mut self,
+        simd: S,
+        shown: &[u32],
+    ) {
         let positions = self.picture.pattern.positions();
         for (pixel, samples) in shown.as_chunks::<SAMPLES>().0.iter().enumerate() {
             let first = samples[0];
             if *samples == [first; SAMPLES] {
                 if first != NONE {
-                    self.fragment(simd, pixel, first, SAMPLES, [EIGHTHS / 2; 2]);
+                    let middle = [EIGHTHS / 2; 2];
+                    self.fragment::<S, COATED>(simd, pixel, first, SAMPLES, middle);
                 }
                 continue;
             }
@@ -64,7 +109,8 @@ impl Gather<'_> {
                 if number != NONE && !samples[..sample].contains(&number) {
                     let count = samples.iter().filter(|other| **other == number).count();
                     // Shaded where the triangle is for certain: at the first of its samples.
-                    self.fragment(simd, pixel, number, count, positions[sample]);
+                    let place = positions[sample];
+                    self.fragment::<S, COATED>(simd, pixel, number, count, place);
                 }
             }
         }
@@ -72,7 +118,7 @@ impl Gather<'_> {
 
     /// `place` is where in the pixel it is shaded, in eighths.
     #[inline(always)]
-    fn fragment<S: Simd>(
+    pub fn fragment<S: Simd, const COATED: bool>(
         &mut self,
         simd: S,
         pixel: usize,
@@ -92,6 +138,13 @@ impl Gather<'_> {
             pixel_at[1] + place[1] as f32 * eighth - planes.origin[1],
         ];
         let diffuse = match *color {
+            Scatter::Coat(triangle) if COATED => {
+                let triangle = &self.coated[triangle as usize];
+                let of = &self.picture.geometry.coated[triangle.coated as usize];
+                let shown = triangle.shown(simd, of, planes, from_origin, pixel_at);
+                return self.fragments.add_coated(pixel, samples, shown);
+            }
+            Scatter::Coat(_) => unreachable!("only pictures with coats have coated triangles"),
             Scatter::Everywhere(color) => color,
             Scatter::Texture(surface) => {
                 let Paint::Textured(texture, _) =
@@ -109,7 +162,13 @@ impl Gather<'_> {
             position: planes.position.at(simd, from_origin).to_array(),
             diffuse,
         };
-        self.fragments.add(pixel, samples, fragment);
+        if COATED {
+            let finish = Finish::plain(self.picture.view);
+            self.fragments
+                .add_coated(pixel, samples, (fragment, finish));
+        } else {
+            self.fragments.add(pixel, samples, fragment);
+        }
     }
 
     /// What is interpolated over a triangle is worked out when it is first seen.
@@ -129,6 +188,9 @@ impl Gather<'_> {
         let view = self.picture.view;
         let is_flat = match place.surface.paint {
             Paint::Plain | Paint::Textured(..) => view.flat_normals == 1,
+            Paint::Coated(coated) => {
+                view.flat_normals == 1 || geometry.coated[coated as usize].coat.is_flat == 1
+            }
             Paint::Lines(_) | Paint::Solids(_) => false,
         };
         // It has samples, so it is no line.
@@ -148,6 +210,13 @@ impl Gather<'_> {
                     surfaces.partition_point(|it| it.first_triangle < place.surface.first_triangle);
                 Scatter::Texture(index as u32)
             }
+            Paint::Coated(coated) => {
+                let of = &geometry.coated[coated as usize];
+                let triangle =
+                    CoatedTriangle::of(simd, coated, of, &corners, view.flat_normals == 1);
+                self.coated.push(triangle);
+                Scatter::Coat(self.coated.len() as u32 - 1)
+            }
         };
         let planes = Planes::of(simd, corners, side, is_flat);
         let index = self.looked_up.len();
@@ -160,27 +229,14 @@ impl Gather<'_> {
 /// The texture at the middle of a pixel, as far apart as the middles of the pixels of its square of four.
 #[inline(always)]
 fn textured<S: Simd>(simd: S, texture: &Texture, planes: &Planes, pixel: [f32; 2]) -> [f32; 4] {
-    let [x, y] = pixel;
-    let here = texcoord(simd, planes, pixel);
-    let beside = texcoord(simd, planes, [neighbour(x), y]);
-    let below = texcoord(simd, planes, [x, neighbour(y)]);
+    let around = Texcoords::around(simd, &planes.texcoord, planes.origin, pixel);
+    let Texcoords {
+        here,
+        beside,
+        below,
+        ..
+    } = around;
     let by_x = [beside[0] - here[0], beside[1] - here[1]];
     let by_y = [below[0] - here[0], below[1] - here[1]];
     texture::sample(simd, texture, here, by_x, by_y)
-}
-
-/// At the middle of a pixel, inside the triangle or beside it.
-#[inline(always)]
-fn texcoord<S: Simd>(simd: S, planes: &Planes, pixel: [f32; 2]) -> [f32; 2] {
-    let middle = [
-        pixel[0] + 0.5 - planes.origin[0],
-        pixel[1] + 0.5 - planes.origin[1],
-    ];
-    let [u, v, inverse_w, _] = planes.texcoord.at(simd, middle).to_array();
-    [u / inverse_w, v / inverse_w]
-}
-
-/// The other one of its pair.
-fn neighbour(pixel: f32) -> f32 {
-    (pixel as u32 ^ 1) as f32
 }

@@ -1,11 +1,12 @@
 //! What a picture is made of: triangles over one numbering of vertices, and how each surface is painted. Triangles are numbered in the
-//! order in which they are drawn: where two are equally near, the first one shows. Never lives here: where triangles fall.
+//! order in which they are drawn: where two are equally near, the first one shows; those that blend come last. Never lives here: where triangles fall.
 
 use super::clip::{Unplaced, clip};
+use super::coated::Coated;
 use super::project::{Projected, Projection};
 use crate::render::cull::Side;
 use crate::render::{Segment, SolidVertex};
-use crate::rig::{Mesh, Rig, Texture};
+use crate::rig::{Mesh, Part, Rig, Texture};
 use glam::Vec2;
 
 /// Triangles that are painted alike.
@@ -35,6 +36,8 @@ pub(super) enum Paint<'a> {
     #[default]
     Plain,
     Textured(&'a Texture, &'a [Vec2]),
+    /// By number.
+    Coated(u32),
 }
 
 /// What a sample is kept in.
@@ -51,6 +54,10 @@ pub(super) enum Layer {
 pub(super) struct Geometry<'a> {
     /// In the order of their triangles.
     pub surfaces: &'a [Surface<'a>],
+    /// From this triangle on they blend: one after another is laid over the base.
+    pub first_blending: u32,
+    /// What some of them are painted with.
+    pub coated: &'a [Coated<'a>],
     /// Every vertex.
     pub projected: &'a [Projected],
     /// Of the vertices of lines.
@@ -66,6 +73,8 @@ pub(super) struct Corner {
     pub position: [f32; 3],
     pub normal: [f32; 3],
     pub texcoord: [f32; 2],
+    /// Linear RGB and opacity.
+    pub color: [f32; 4],
 }
 
 /// Where a triangle's surface is, and which of its triangles it is.
@@ -76,11 +85,12 @@ pub(super) struct Place<'a> {
 }
 
 impl<'a> Paint<'a> {
-    /// Of a mesh of `rig`.
-    pub fn of(rig: &'a Rig, mesh: &'a Mesh) -> Self {
-        let texture = mesh
-            .material()
-            .and_then(|material| rig.materials()[material].texture.as_deref());
+    /// Of a part of a mesh of `rig` that has no coat.
+    pub fn of(rig: &'a Rig, mesh: &'a Mesh, part: &Part) -> Self {
+        let texture = part
+            .material
+            .and_then(|material| rig.materials()[material].texture.as_ref())
+            .map(|place| &*place.texture);
         match (texture, mesh.texcoords()) {
             (Some(texture), Some(texcoords)) => Self::Textured(texture, texcoords),
             _ => Self::Plain,
@@ -97,6 +107,11 @@ impl Surface<'_> {
 impl<'a> Geometry<'a> {
     pub fn triangle_count(&self) -> usize {
         self.surfaces.last().map_or(0, |last| last.end() as usize)
+    }
+
+    /// Whether any of them blend.
+    pub fn blends(&self) -> bool {
+        (self.first_blending as usize) < self.triangle_count()
     }
 
     /// Of a triangle's number.
@@ -123,7 +138,7 @@ impl<'a> Geometry<'a> {
 
     /// Of a triangle with a corner that [is beyond](Projected::is_beyond).
     pub fn pieces(&self, place: Place<'a>) -> impl Iterator<Item = [Corner; 3]> {
-        let whole = self.whole_corners(place);
+        let whole = self.corners_of_whole(place);
         let own = place.surface.triangles[place.triangle];
         let unplaced = [0, 1, 2].map(|corner| Unplaced {
             clip: match place.surface.paint {
@@ -137,7 +152,7 @@ impl<'a> Geometry<'a> {
 
     /// Of piece number `piece` of a triangle, or of one that is whole.
     pub fn corners(&self, place: Place<'a>, piece: u32) -> [Corner; 3] {
-        let whole = self.whole_corners(place);
+        let whole = self.corners_of_whole(place);
         if whole.iter().any(|corner| corner.projected.is_beyond()) {
             let mut pieces = self.pieces(place);
             // The same ones whenever it is cut.
@@ -147,8 +162,9 @@ impl<'a> Geometry<'a> {
         }
     }
 
+    /// Of a whole triangle, also where they are beyond what can be drawn.
     #[inline(always)]
-    fn whole_corners(&self, place: Place<'a>) -> [Corner; 3] {
+    pub fn corners_of_whole(&self, place: Place<'a>) -> [Corner; 3] {
         let Surface {
             triangles,
             positions,
@@ -164,8 +180,20 @@ impl<'a> Geometry<'a> {
             if let (Some(position), Some(normal)) = (positions.get(own), normals.get(own)) {
                 (corner.position, corner.normal) = (*position, *normal);
             }
-            if let Paint::Textured(_, texcoords) = paint {
-                corner.texcoord = texcoords[own].to_array();
+            match *paint {
+                Paint::Lines(_) | Paint::Solids(_) | Paint::Plain => {}
+                Paint::Textured(_, texcoords) => corner.texcoord = texcoords[own].to_array(),
+                Paint::Coated(coated) => {
+                    let Coated {
+                        texcoords, colors, ..
+                    } = self.coated[coated as usize];
+                    if let Some(texcoords) = texcoords {
+                        corner.texcoord = texcoords[own].to_array();
+                    }
+                    if let Some(colors) = colors {
+                        corner.color = colors[own].to_array();
+                    }
+                }
             }
         }
         corners

@@ -31,6 +31,26 @@ impl Plane {
         }
     }
 
+    /// u / w, v / w, 1 / w.
+    #[inline(always)]
+    pub fn of_texcoords<S: Simd>(simd: S, slope: &Slope, [a, b, c]: &[Corner; 3]) -> Self {
+        let texcoord = |corner: &Corner| {
+            let ([u, v], inverse_w) = (corner.texcoord, corner.projected.inverse_w);
+            [u * inverse_w, v * inverse_w, inverse_w, 0.0]
+        };
+        Self::through(simd, slope, [texcoord(a), texcoord(b), texcoord(c)])
+    }
+
+    /// The vertex color over w.
+    #[inline(always)]
+    pub fn of_colors<S: Simd>(simd: S, slope: &Slope, [a, b, c]: &[Corner; 3]) -> Self {
+        let color = |corner: &Corner| {
+            let inverse_w = corner.projected.inverse_w;
+            corner.color.map(|channel| channel * inverse_w)
+        };
+        Self::through(simd, slope, [color(a), color(b), color(c)])
+    }
+
     /// `from_origin` in pixels.
     #[inline(always)]
     pub fn at<S: Simd>(&self, simd: S, from_origin: [f32; 2]) -> f32x4<S> {
@@ -70,15 +90,11 @@ impl Planes {
             [at(a), at(b), at(c)]
         };
         let position = |corner: &Corner| corner.over_w(corner.position, 1.0);
-        let texcoord = |corner: &Corner| {
-            let ([u, v], inverse_w) = (corner.texcoord, corner.projected.inverse_w);
-            [u * inverse_w, v * inverse_w, inverse_w, 0.0]
-        };
         Self {
             origin: slope.origin,
             normal: Plane::through(simd, &slope, normals),
             position: Plane::through(simd, &slope, [position(a), position(b), position(c)]),
-            texcoord: Plane::through(simd, &slope, [texcoord(a), texcoord(b), texcoord(c)]),
+            texcoord: Plane::of_texcoords(simd, &slope, &corners),
         }
     }
 }

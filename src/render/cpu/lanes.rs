@@ -177,6 +177,12 @@ pub(super) fn power<S: Simd>(base: Lanes<S>, exponent: f32) -> Lanes<S> {
     exp2(log2(base) * exponent)
 }
 
+/// The same to as many exponents.
+#[inline(always)]
+pub(super) fn powers<S: Simd>(base: Lanes<S>, exponents: Lanes<S>) -> Lanes<S> {
+    exp2(log2(base) * exponents)
+}
+
 /// The logarithm to base 2 of a positive number; about −127 for 0. Coefficients are those of Cephes' `logf`, lowest power first.
 #[inline(always)]
 fn log2<S: Simd>(x: Lanes<S>) -> Lanes<S> {
@@ -258,6 +264,19 @@ mod tests {
         assert_eq!(powers([0.0; LANES], 0.0), [1.0; LANES]);
         assert!(powers([0.0; LANES], 0.1)[0] < 2e-4);
         assert!(powers([0.0; LANES], 1.0)[0] < 1e-37);
+    }
+
+    #[test]
+    fn powers_to_many_exponents_are_those_to_each() {
+        let exponents: [f32; LANES] = std::array::from_fn(|lane| [0.0, 0.5, 32.0, 4e3][lane % 4]);
+        let bases: [f32; LANES] = std::array::from_fn(|lane| [0.0, 1.0, 0.7][lane % 3]);
+        let found = dispatch!(Level::new(), simd => {
+            let exponents = Lanes::load_array(simd, exponents);
+            super::powers(Lanes::load_array(simd, bases), exponents).to_array()
+        });
+        for lane in 0..LANES {
+            assert_eq!(found[lane], powers(bases, exponents[lane])[lane]);
+        }
     }
 
     #[test]

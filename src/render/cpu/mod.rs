@@ -3,11 +3,14 @@
 
 mod bin;
 mod clip;
+mod coated;
+mod cutout;
 mod gather;
 mod geometry;
 mod interpolate;
 mod lanes;
 mod lines;
+mod overlay;
 mod picture;
 mod project;
 mod raster;

@@ -109,6 +109,84 @@ impl Edge {
     }
 }
 
+/// In which of the pixels that a triangle covers it is there.
+pub(super) trait Presence {
+    /// Whether it is in all of them.
+    const IS_EVERYWHERE: bool;
+
+    fn is_at(&self, pixel: [u32; 2]) -> bool;
+}
+
+/// Of a surface without holes.
+pub(super) struct Everywhere;
+
+impl Presence for Everywhere {
+    const IS_EVERYWHERE: bool = true;
+
+    #[inline(always)]
+    fn is_at(&self, _: [u32; 2]) -> bool {
+        true
+    }
+}
+
+/// What a triangle is drawn on.
+pub(super) trait Target {
+    /// Whether it hides what is drawn behind it later.
+    const HIDES: bool;
+
+    fn samples(&mut self) -> &mut TileSamples;
+
+    /// The triangle at those samples of the group of a pixel of the tile that are `covered`, where it is nearer than what is there and
+    /// `present`.
+    fn show<S: Simd>(
+        &mut self,
+        of_tile: [u32; 2],
+        covered: mask32x8<S>,
+        nearness: f32x8<S>,
+        present: impl FnOnce(mask32x8<S>) -> mask32x8<S>,
+    );
+}
+
+/// Samples keep what is nearest.
+pub(super) struct Nearest<'a> {
+    pub tile: &'a mut TileSamples,
+    pub mark: Mark,
+}
+
+impl Target for Nearest<'_> {
+    const HIDES: bool = true;
+
+    #[inline(always)]
+    fn samples(&mut self) -> &mut TileSamples {
+        self.tile
+    }
+
+    #[inline(always)]
+    fn show<S: Simd>(
+        &mut self,
+        of_tile: [u32; 2],
+        covered: mask32x8<S>,
+        nearness: f32x8<S>,
+        present: impl FnOnce(mask32x8<S>) -> mask32x8<S>,
+    ) {
+        let simd = nearness.token();
+        let group = self.tile.group(of_tile, self.mark.layer);
+        let there = f32x8::load_array(simd, *group.depth);
+        let shown = u32x8::load_array(simd, *group.triangle);
+        let wins = present(covered & nearness.simd_gt(there));
+        let number = u32x8::splat(simd, self.mark.number);
+        wins.select(nearness, there).store_array(group.depth);
+        wins.select(number, shown).store_array(group.triangle);
+    }
+}
+
+/// What samples keep of a triangle, and in which of their layers.
+#[derive(Clone, Copy)]
+pub(super) struct Mark {
+    pub layer: Layer,
+    pub number: u32,
+}
+
 /// A quantity that is linear over the picture: its value at a point, and how it changes from pixel to pixel.
 #[derive(Clone, Copy)]
 pub(super) struct Slope {
@@ -175,17 +253,16 @@ impl Sides {
     }
 }
 
-/// Draws a triangle into the samples of a tile where it is nearer than what is there. `reached` lies within the tile, whose upper left
+/// Draws a triangle onto the samples of a tile where it is nearer than what is there. `reached` lies within the tile, whose upper left
 /// pixel is `corner`.
 #[inline(always)]
-pub(super) fn draw<S: Simd>(
+pub(super) fn draw<S: Simd, T: Target, P: Presence>(
     footprint: &Footprint<S>,
-    tile: &mut TileSamples,
+    target: T,
     corner: [u32; 2],
-    layer: Layer,
-    number: u32,
     corners: [Projected; 3],
     reached: Rectangle,
+    presence: &P,
 ) {
     /// Pixels: of a triangle that is no longer no edge function exceeds `2 · 64 · 8 · 64 · 256`, which is 2^24, within its rectangle.
     const SMALL: u32 = 64;
@@ -200,10 +277,9 @@ pub(super) fn draw<S: Simd>(
     let (db, dc) = (b.depth - a.depth, c.depth - a.depth);
     let mut walk = Walk {
         footprint,
-        tile,
+        target,
         corner,
-        layer,
-        number,
+        presence,
         depth: Depth {
             origin: slope.origin,
             at_origin: a.depth,
@@ -234,13 +310,14 @@ pub(super) fn draw<S: Simd>(
             }
             let [least, most] = walk.depth.over_block(at);
             let in_tile = [at[0] - corner[0], at[1] - corner[1]];
-            if most <= *walk.tile.least_depth(in_tile) {
+            if most <= *walk.target.samples().least_depth(in_tile) {
                 continue;
             }
             let last = [at[0] + BLOCK - 1, at[1] + BLOCK - 1];
             walk.rectangle(through, reached.within(at, last));
-            if through.iter().all(Option::is_none) {
-                let there = walk.tile.least_depth(in_tile);
+            // One with holes hides nothing for certain.
+            if T::HIDES && P::IS_EVERYWHERE && through.iter().all(Option::is_none) {
+                let there = walk.target.samples().least_depth(in_tile);
                 *there = there.max(least);
             }
         }
@@ -272,16 +349,15 @@ impl Depth {
 }
 
 /// A triangle on its way through the samples of a tile.
-struct Walk<'a, S: Simd> {
+struct Walk<'a, S: Simd, T, P> {
     footprint: &'a Footprint<S>,
-    tile: &'a mut TileSamples,
+    target: T,
     corner: [u32; 2],
-    layer: Layer,
-    number: u32,
+    presence: &'a P,
     depth: Depth,
 }
 
-impl<S: Simd> Walk<'_, S> {
+impl<S: Simd, T: Target, P: Presence> Walk<'_, S, T, P> {
     /// Every sample of the pixels of `within`, as far as it is inside of those edges that are given. 32 bits hold their functions there.
     #[inline(always)]
     fn rectangle(&mut self, edges: [Option<Edge>; 3], within: Rectangle) {
@@ -327,14 +403,40 @@ impl<S: Simd> Walk<'_, S> {
     /// The triangle at those samples of a group that it covers and is nearest at.
     #[inline(always)]
     fn show(&mut self, pixel: [u32; 2], covered: mask32x8<S>, nearness: f32x8<S>) {
-        let simd = nearness.token();
         let of_tile = [pixel[0] - self.corner[0], pixel[1] - self.corner[1]];
-        let group = self.tile.group(of_tile, self.layer);
-        let there = f32x8::load_array(simd, *group.depth);
-        let shown = u32x8::load_array(simd, *group.triangle);
-        let wins = covered & nearness.simd_gt(there);
-        let number = u32x8::splat(simd, self.number);
-        wins.select(nearness, there).store_array(group.depth);
-        wins.select(number, shown).store_array(group.triangle);
+        let (presence, pixels) = (self.presence, self.footprint.pixels);
+        self.target.show(
+            of_tile,
+            covered,
+            nearness,
+            #[inline(always)]
+            |wins| {
+                if P::IS_EVERYWHERE {
+                    wins
+                } else {
+                    present(presence, pixel, pixels, wins)
+                }
+            },
+        );
     }
+}
+
+/// Those samples of a group, whose first pixel this is, in whose pixel a triangle is there.
+#[inline(always)]
+fn present<S: Simd, P: Presence>(
+    presence: &P,
+    [x, y]: [u32; 2],
+    pixels: u32,
+    wins: mask32x8<S>,
+) -> mask32x8<S> {
+    let samples = GROUP as u32 / pixels;
+    let of_pixel = (1u64 << samples) - 1;
+    let mut left = wins.to_bitmask();
+    for index in 0..pixels {
+        let own = of_pixel << (index * samples);
+        if left & own != 0 && !presence.is_at([x + index, y]) {
+            left &= !own;
+        }
+    }
+    mask32x8::from_bitmask(wins.token(), left)
 }

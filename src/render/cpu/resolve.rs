@@ -7,7 +7,7 @@ use super::shade::Fragments;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x4, u32x16};
 
-/// Sums over the samples of each pixel of a block: linear red, green and blue, and how many there are.
+/// Sums over the samples of each pixel of a block: linear red, green and blue, and how many of them are covered.
 pub(super) struct Sums([[f32; 4]; BLOCK_PIXELS]);
 
 impl Default for Sums {
@@ -30,6 +30,20 @@ impl Sums {
             pixels[lane] = f32x4::load_array(simd, of_rows[lane]);
         }
         transposed(pixels)
+    }
+
+    /// Of `samples` colors of each pixel, premultiplied and with their opacity in place of a count.
+    #[inline(always)]
+    pub fn of_samples<S: Simd>(simd: S, samples: usize, colors: &[[f32; 4]]) -> Self {
+        let mut sums = Self::default();
+        for (sum, colors) in sums.0.iter_mut().zip(colors.chunks_exact(samples)) {
+            let mut all = f32x4::splat(simd, 0.0);
+            for color in colors {
+                all += f32x4::load_array(simd, *color);
+            }
+            all.store_array(sum);
+        }
+        sums
     }
 
     /// In the fragments' order.

@@ -1,9 +1,12 @@
 //! Memory that is worked in and kept: in a steady stream of like pictures none is asked for. Never lives here: what is in it.
 
 use super::bin::Chunk;
+use super::coated::Coated;
 use super::geometry::Surface;
+use super::picture::SkinMesh;
 use super::project::Projected;
 use super::skinned::Vertices;
+use crate::render::order::PartPlace;
 use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -15,8 +18,12 @@ pub(super) struct Room {
     pub line_corners: Vec<[f32; 4]>,
     pub line_triangles: Vec<[u32; 3]>,
     pub chunks: Vec<Chunk>,
-    /// Empty between pictures.
+    /// Empty between pictures, as the next two.
     pub surfaces: Vec<Surface<'static>>,
+    pub coated: Vec<Coated<'static>>,
+    pub meshes: Vec<SkinMesh<'static>>,
+    /// Parts that blend, in their order.
+    pub blending: Vec<(f64, PartPlace)>,
 }
 
 /// Rooms that nobody works in: as many as were ever used at a time.

@@ -11,7 +11,7 @@ pub(super) const BLOCK_PIXELS: usize = (BLOCK * BLOCK) as usize;
 pub(super) const GROUP: usize = 8;
 /// Blocks in a row of a tile.
 pub(super) const BLOCK_COLUMNS: u32 = TILE[0] / BLOCK;
-const BLOCKS: usize = (BLOCK_COLUMNS * TILE[1] / BLOCK) as usize;
+pub(super) const BLOCKS: usize = (BLOCK_COLUMNS * TILE[1] / BLOCK) as usize;
 
 /// Sample positions lie on a grid of eighths of a pixel.
 pub(super) const EIGHTHS: i32 = 8;
@@ -144,6 +144,12 @@ impl TileSamples {
     /// How near all samples of the block of a pixel are at least: what is no nearer anywhere in it is hidden.
     pub fn least_depth(&mut self, [x, y]: [u32; 2]) -> &mut f32 {
         &mut self.least_depth[(y / BLOCK * BLOCK_COLUMNS + x / BLOCK) as usize]
+    }
+
+    /// How near what is drawn is at each sample of the group of a pixel of the tile.
+    #[inline(always)]
+    pub fn depth(&mut self, at: [u32; 2]) -> [f32; GROUP] {
+        *self.group(at, Layer::Base).depth
     }
 
     /// Of every sample that shows a triangle, which one.

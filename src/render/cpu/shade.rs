@@ -1,6 +1,6 @@
 //! Stage 3, shade: the twin of `shaders/light.wgsl`, for many fragments at a time. A fragment is what a triangle shows of one pixel.
 
-use super::lanes::{LANES, Lanes, Vectors, held, power, rows_of, transposed};
+use super::lanes::{LANES, Lanes, Vectors, held, power, powers, rows_of, transposed};
 use crate::render::view::View;
 use fearless_simd::f32x4;
 use fearless_simd::prelude::*;
@@ -17,24 +17,66 @@ pub(super) struct Fragment {
     pub diffuse: [f32; 4],
 }
 
+/// What a coat does beside scattering.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Finish {
+    /// Linear RGB, and shininess.
+    pub specular: [f32; 4],
+    /// Linear RGB, and how much of the fragment hides what is behind.
+    pub emissive: [f32; 4],
+    /// What a normal map says: how far to the right, up and out of the surface; and 1. Nothing of what has none.
+    pub mapped: [f32; 4],
+    /// Unit vectors that the map leans along.
+    pub right: [f32; 4],
+    pub up: [f32; 4],
+}
+
+impl Finish {
+    /// Of what has no coat.
+    #[inline(always)]
+    pub fn plain(view: &View) -> Self {
+        Self {
+            specular: view.specular.extend(view.shininess).to_array(),
+            emissive: [0.0, 0.0, 0.0, 1.0],
+            ..Self::default()
+        }
+    }
+}
+
 /// The fragments of one block and layer.
 pub(super) struct Fragments {
     pub count: usize,
     /// In the block, and at how many samples of it the fragment is seen.
     pub pixel: Vec<(u8, u8)>,
     pub given: Vec<Fragment>,
-    /// Linear, from 0 to 1, and 1.
+    /// Of pictures of coated surfaces.
+    pub finish: Vec<Finish>,
+    /// Linear, from 0 to 1, and 1; of coated surfaces premultiplied, and their opacity.
     pub color: Vec<[f32; 4]>,
 }
 
 impl Fragments {
     /// Of a block whose pixels show as many triangles as they have samples.
-    const MOST: usize = super::samples::BLOCK_PIXELS * 4;
+    pub const MOST: usize = super::samples::BLOCK_PIXELS * 4;
 
     pub fn add(&mut self, pixel: usize, samples: usize, fragment: Fragment) {
         self.pixel[self.count] = (pixel as u8, samples as u8);
         self.given[self.count] = fragment;
         self.count += 1;
+    }
+
+    pub fn add_coated(
+        &mut self,
+        pixel: usize,
+        samples: usize,
+        (fragment, finish): (Fragment, Finish),
+    ) {
+        if self.finish.is_empty() {
+            // Most pictures need none.
+            self.finish.resize(Self::MOST, Finish::default());
+        }
+        self.finish[self.count] = finish;
+        self.add(pixel, samples, fragment);
     }
 }
 
@@ -44,14 +86,15 @@ impl Default for Fragments {
             count: 0,
             pixel: vec![(0, 0); Self::MOST],
             given: vec![Fragment::default(); Self::MOST],
+            finish: Vec::new(),
             color: vec![[0.0; 4]; Self::MOST],
         }
     }
 }
 
-/// Colors all fragments.
+/// Colors all fragments. `COATED`: each has a finish.
 #[inline(always)]
-pub(super) fn shade<S: Simd>(simd: S, view: &View, fragments: &mut Fragments) {
+pub(super) fn shade<S: Simd, const COATED: bool>(simd: S, view: &View, fragments: &mut Fragments) {
     let groups = fragments.count.div_ceil(LANES);
     for group in 0..groups {
         let given = &fragments.given.as_chunks::<LANES>().0[group];
@@ -80,14 +123,27 @@ pub(super) fn shade<S: Simd>(simd: S, view: &View, fragments: &mut Fragments) {
             y: green,
             z: blue,
         };
-        let lit = blinn_phong(simd, view, position, normal, diffuse);
         let is_lit = is_lit.simd_gt(0.0);
-        let colors = rows_of([
-            is_lit.select(lit.x, red),
-            is_lit.select(lit.y, green),
-            is_lit.select(lit.z, blue),
-            Lanes::splat(simd, 1.0),
-        ]);
+        let colors = if COATED {
+            let finish = &fragments.finish.as_chunks::<LANES>().0[group];
+            let finish = Finishes::load(simd, finish);
+            let lit = blinn_phong(simd, view, position, normal, diffuse, &finish);
+            let alpha = finish.alpha;
+            rows_of([
+                is_lit.select(lit.x, held(red)) * alpha,
+                is_lit.select(lit.y, held(green)) * alpha,
+                is_lit.select(lit.z, held(blue)) * alpha,
+                alpha,
+            ])
+        } else {
+            let lit = blinn_phong(simd, view, position, normal, diffuse, view);
+            rows_of([
+                is_lit.select(lit.x, red),
+                is_lit.select(lit.y, green),
+                is_lit.select(lit.z, blue),
+                Lanes::splat(simd, 1.0),
+            ])
+        };
         let into = &mut fragments.color.as_chunks_mut::<LANES>().0[group];
         for lane in 0..LANES {
             into[lane] = colors[lane].to_array();
@@ -95,23 +151,169 @@ pub(super) fn shade<S: Simd>(simd: S, view: &View, fragments: &mut Fragments) {
     }
 }
 
-/// `ambient · diffuse + Σ radiance · (diffuse · max(n·l, 0) + [n·l > 0] · specular · max(n·h, 0)^shininess)`, clamped.
+/// What is lit, beside what it scatters.
+trait Finished<S: Simd> {
+    fn has_highlight(&self) -> bool;
+
+    /// As strong as it is by the square of the cosine between normal and halfway.
+    fn highlight(&self, cosine_squared: Lanes<S>) -> Lanes<S>;
+
+    /// What so strong a highlight of a light adds.
+    fn gleam(&self, highlight: Lanes<S>, radiance: [f32; 3]) -> Vectors<S>;
+
+    /// Unit normals as a map leans them.
+    fn leaning(&self, normal: Vectors<S>) -> Vectors<S>;
+
+    /// With what it gives off.
+    fn glowing(&self, color: Vectors<S>) -> Vectors<S>;
+}
+
+/// All of a picture alike.
+impl<S: Simd> Finished<S> for View {
+    #[inline(always)]
+    fn has_highlight(&self) -> bool {
+        self.specular.max_element() > 0.0
+    }
+
+    #[inline(always)]
+    fn highlight(&self, cosine_squared: Lanes<S>) -> Lanes<S> {
+        power(cosine_squared, self.shininess * 0.5)
+    }
+
+    #[inline(always)]
+    fn gleam(&self, highlight: Lanes<S>, [lr, lg, lb]: [f32; 3]) -> Vectors<S> {
+        let [sr, sg, sb] = self.specular.to_array();
+        Vectors {
+            x: highlight * (sr * lr),
+            y: highlight * (sg * lg),
+            z: highlight * (sb * lb),
+        }
+    }
+
+    #[inline(always)]
+    fn leaning(&self, normal: Vectors<S>) -> Vectors<S> {
+        normal
+    }
+
+    #[inline(always)]
+    fn glowing(&self, color: Vectors<S>) -> Vectors<S> {
+        color
+    }
+}
+
+/// Of as many fragments as there are lanes.
+struct Finishes<S: Simd> {
+    specular: Vectors<S>,
+    shininess: Lanes<S>,
+    emissive: Vectors<S>,
+    alpha: Lanes<S>,
+    mapped: Vectors<S>,
+    is_mapped: Lanes<S>,
+    right: Vectors<S>,
+    up: Vectors<S>,
+}
+
+impl<S: Simd> Finishes<S> {
+    #[inline(always)]
+    fn load(simd: S, finish: &[Finish; LANES]) -> Self {
+        let mut rows = [[f32x4::splat(simd, 0.0); LANES]; 5];
+        for lane in 0..LANES {
+            rows[0][lane] = f32x4::load_array(simd, finish[lane].specular);
+            rows[1][lane] = f32x4::load_array(simd, finish[lane].emissive);
+            rows[2][lane] = f32x4::load_array(simd, finish[lane].mapped);
+            rows[3][lane] = f32x4::load_array(simd, finish[lane].right);
+            rows[4][lane] = f32x4::load_array(simd, finish[lane].up);
+        }
+        let (specular, shininess) = vectors(transposed(rows[0]));
+        let (emissive, alpha) = vectors(transposed(rows[1]));
+        let (mapped, is_mapped) = vectors(transposed(rows[2]));
+        Self {
+            specular,
+            shininess,
+            emissive,
+            alpha,
+            mapped,
+            is_mapped,
+            right: vectors(transposed(rows[3])).0,
+            up: vectors(transposed(rows[4])).0,
+        }
+    }
+}
+
 #[inline(always)]
-fn blinn_phong<S: Simd>(
+fn vectors<S: Simd>([x, y, z, w]: [Lanes<S>; 4]) -> (Vectors<S>, Lanes<S>) {
+    (Vectors { x, y, z }, w)
+}
+
+impl<S: Simd> Finished<S> for Finishes<S> {
+    #[inline(always)]
+    fn has_highlight(&self) -> bool {
+        let Vectors { x, y, z } = self.specular;
+        (x.simd_gt(0.0) | y.simd_gt(0.0) | z.simd_gt(0.0)).any_true()
+    }
+
+    #[inline(always)]
+    fn highlight(&self, cosine_squared: Lanes<S>) -> Lanes<S> {
+        powers(cosine_squared, self.shininess * 0.5)
+    }
+
+    #[inline(always)]
+    fn gleam(&self, highlight: Lanes<S>, [lr, lg, lb]: [f32; 3]) -> Vectors<S> {
+        Vectors {
+            x: highlight * (self.specular.x * lr),
+            y: highlight * (self.specular.y * lg),
+            z: highlight * (self.specular.z * lb),
+        }
+    }
+
+    #[inline(always)]
+    fn leaning(&self, normal: Vectors<S>) -> Vectors<S> {
+        let is_mapped = self.is_mapped.simd_gt(0.0);
+        if !is_mapped.any_true() {
+            return normal;
+        }
+        let right = across(self.right, normal).times(self.mapped.x);
+        let up = across(self.up, normal).times(self.mapped.y);
+        let out = normal.times(self.mapped.z);
+        let leaning = right.plus(up).plus(out).unit_or(normal);
+        Vectors {
+            x: is_mapped.select(leaning.x, normal.x),
+            y: is_mapped.select(leaning.y, normal.y),
+            z: is_mapped.select(leaning.z, normal.z),
+        }
+    }
+
+    #[inline(always)]
+    fn glowing(&self, color: Vectors<S>) -> Vectors<S> {
+        color.plus(self.emissive)
+    }
+}
+
+/// What of a direction is perpendicular to a normal, of unit length; nothing of one along it.
+#[inline(always)]
+fn across<S: Simd>(direction: Vectors<S>, normal: Vectors<S>) -> Vectors<S> {
+    let nothing = Vectors::splat(direction.x.token(), [0.0; 3]);
+    let along = normal.times(normal.dot(direction));
+    direction.minus(along).unit_or(nothing)
+}
+
+/// `ambient · diffuse + Σ radiance · (diffuse · max(n·l, 0) + [n·l > 0] · specular · max(n·h, 0)^shininess) + emissive`, clamped.
+#[inline(always)]
+fn blinn_phong<S: Simd, F: Finished<S>>(
     simd: S,
     view: &View,
     position: Vectors<S>,
     normal: Vectors<S>,
     diffuse: Vectors<S>,
+    finish: &F,
 ) -> Vectors<S> {
     let zero = Lanes::splat(simd, 0.0);
     let nothing = Vectors::splat(simd, [0.0; 3]);
     let toward_eye = toward(view.eye_in_world, position).unit_or(nothing);
     // A surface without a normal faces the eye.
-    let normal = normal.unit_or(toward_eye);
-    let has_highlight = view.specular.max_element() > 0.0;
+    let normal = finish.leaning(normal.unit_or(toward_eye));
+    let has_highlight = finish.has_highlight();
     let [ar, ag, ab] = view.ambient.to_array();
-    let [sr, sg, sb] = view.specular.to_array();
     let mut color = Vectors {
         x: diffuse.x * ar,
         y: diffuse.y * ag,
@@ -151,12 +353,11 @@ fn blinn_phong<S: Simd>(
             let cosine_squared = squared
                 .simd_gt(zero)
                 .select(n_dot_h * n_dot_h / squared, zero);
-            let highlight = power(cosine_squared, view.shininess * 0.5) * strength;
-            color.x += highlight * (sr * lr);
-            color.y += highlight * (sg * lg);
-            color.z += highlight * (sb * lb);
+            let highlight = finish.highlight(cosine_squared) * strength;
+            color = color.plus(finish.gleam(highlight, [lr, lg, lb]));
         }
     }
+    let color = finish.glowing(color);
     Vectors {
         x: held(color.x),
         y: held(color.y),

@@ -27,11 +27,13 @@ impl Cpu {
     /// `None` where it was no longer wanted.
     pub fn skin(&self, instances: &[Instance], spread: Spread<'_>) -> Option<Skinned> {
         let mut vertices = self.skins.take();
-        let all = meshes(instances).map(|(_, mesh)| mesh.vertex_count()).sum();
+        let all = meshes(instances)
+            .map(|(_, _, mesh)| mesh.vertex_count())
+            .sum();
         let Vertices { positions, normals } = &mut *vertices;
         positions.resize(all, [0.0; 3]);
         normals.resize(all, [0.0; 3]);
-        for (instance, mesh, own) in in_order(instances) {
+        for (_, instance, mesh, own) in in_order(instances) {
             self.skin_range(
                 &SkinJob::new(instance, mesh),
                 0,
@@ -44,21 +46,23 @@ impl Cpu {
     }
 }
 
-fn meshes(instances: &[Instance]) -> impl Iterator<Item = (&Instance, &Mesh)> {
-    instances.iter().flat_map(|instance| {
-        let meshes = instance.rig().meshes().iter();
-        meshes.map(move |mesh| (instance, mesh))
+/// Each with the indices of both.
+fn meshes(instances: &[Instance]) -> impl Iterator<Item = ([usize; 2], &Instance, &Mesh)> {
+    let instances = instances.iter().enumerate();
+    instances.flat_map(|(instance, of_plan)| {
+        let meshes = of_plan.rig().meshes().iter().enumerate();
+        meshes.map(move |(mesh, of_rig)| ([instance, mesh], of_plan, of_rig))
     })
 }
 
-/// Each mesh of each instance, and which of the vertices are its own.
+/// Each mesh of each instance, with the indices of both, and which of the vertices are its own.
 pub(super) fn in_order(
     instances: &[Instance],
-) -> impl Iterator<Item = (&Instance, &Mesh, Range<usize>)> {
+) -> impl Iterator<Item = ([usize; 2], &Instance, &Mesh, Range<usize>)> {
     let mut first = 0;
-    meshes(instances).map(move |(instance, mesh)| {
+    meshes(instances).map(move |(at, instance, mesh)| {
         let own = first..first + mesh.vertex_count();
         first = own.end;
-        (instance, mesh, own)
+        (at, instance, mesh, own)
     })
 }

@@ -3,7 +3,7 @@
 use super::bin::{Grid, Rectangle, TILE, pixels};
 use super::geometry::Layer;
 use super::project::{Projected, STEPS};
-use super::raster::{Footprint, draw};
+use super::raster::{Everywhere, Footprint, Mark, Nearest, draw};
 use super::samples::{
     BLOCK, BLOCK_COLUMNS, BLOCK_PIXELS, NONE, Pattern, STEPS_IN_EIGHTH, TileSamples,
 };
@@ -25,7 +25,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const PATTERNS: [Pattern; 2] = [Pattern::of(Samples::One), Pattern::of(Samples::Four)];
 
 /// A linear congruential generator: the same numbers in every run.
-struct Random(u64);
+pub(super) struct Random(pub u64);
 
 impl Random {
     fn next(&mut self) -> u64 {
@@ -41,7 +41,7 @@ impl Random {
         low + (self.next() % (high - low + 1) as u64) as i32
     }
 
-    fn unit(&mut self) -> f32 {
+    pub fn unit(&mut self) -> f32 {
         self.next() as f32 / (1u64 << 31) as f32
     }
 }
@@ -108,7 +108,9 @@ fn drawn(level: Level, corners: [Projected; 3], pattern: Pattern) -> BTreeSet<Hi
         };
         dispatch!(level, simd => {
             let footprint = Footprint::of(simd, pattern);
-            draw(&footprint, &mut tile, [0, 0], Layer::Base, 7, corners, reached);
+            let mark = Mark { layer: Layer::Base, number: 7 };
+            let target = Nearest { tile: &mut tile, mark };
+            draw(&footprint, target, [0, 0], corners, reached, &Everywhere);
         });
     }
     let mut hits = BTreeSet::new();
@@ -132,7 +134,7 @@ fn drawn(level: Level, corners: [Projected; 3], pattern: Pattern) -> BTreeSet<Hi
 }
 
 /// Every vector unit that this machine has.
-fn levels() -> Vec<Level> {
+pub(super) fn levels() -> Vec<Level> {
     let best = Level::new();
     let mut levels = vec![best];
     #[cfg(target_arch = "x86_64")]

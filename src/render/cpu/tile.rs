@@ -1,12 +1,15 @@
-//! One tile from empty samples to pixels: raster, then for each block gather, shade and resolve.
+//! One tile from empty samples to pixels: raster, lay over it what blends, then for each block gather, shade and resolve.
 //! Never lives here: the stages themselves.
 
 use super::bin::{Chunk, Grid, Rectangle, TILE, seen};
-use super::gather::{Drawn, Gather, LookedUp};
-use super::geometry::{Geometry, Layer, Place};
+use super::coated::Coated;
+use super::cutout::Cutout;
+use super::gather::{Drawn, Gather, Triangles};
+use super::geometry::{Corner, Geometry, Layer, Paint, Place};
 use super::lanes::LANES;
+use super::overlay::{Overlay, Under};
 use super::project::Projected;
-use super::raster::{self, Footprint};
+use super::raster::{self, Everywhere, Footprint, Mark, Nearest, Presence};
 use super::resolve::{Resolve, Sums};
 use super::samples::{BLOCK, BLOCK_COLUMNS, BLOCK_PIXELS, NONE, Pattern, TileSamples};
 use super::shade::{Fragments, shade};
@@ -33,12 +36,11 @@ const MOST_DRAWN: usize = 1 << 16;
 #[derive(Default)]
 pub(super) struct TileRoom {
     samples: TileSamples,
-    /// By the numbers that samples keep.
-    drawn: Vec<Drawn>,
+    triangles: Triangles,
     /// New numbers by old ones.
     renumbered: Vec<u32>,
-    looked_up: Vec<LookedUp>,
     fragments: Fragments,
+    overlay: Overlay,
     base: Sums,
     skin: Sums,
 }
@@ -55,6 +57,14 @@ impl TileRoom {
     ) {
         let corner = [column * TILE[0], row * TILE[1]];
         self.raster(simd, picture, [column, row]);
+        if picture.geometry.blends() {
+            let under = Under {
+                samples: &mut self.samples,
+                triangles: &mut self.triangles,
+                fragments: &mut self.fragments,
+            };
+            self.overlay.draw(simd, picture, [column, row], under);
+        }
         let size = picture.grid.size;
         let width = TILE[0].min(size.width - corner[0]);
         let height = TILE[1].min(size.height - corner[1]);
@@ -86,44 +96,51 @@ impl TileRoom {
         }
     }
 
-    /// Every triangle of the tile into its samples.
+    /// Every triangle of the tile that does not blend into its samples.
     #[inline(always)]
     fn raster<S: Simd>(&mut self, simd: S, picture: &Picturing<'_>, [column, row]: [u32; 2]) {
         self.samples.clear(picture.pattern);
-        self.drawn.clear();
-        self.looked_up.clear();
-        let footprint = Footprint::of(simd, picture.pattern);
+        self.triangles.clear();
         let corner = [column * TILE[0], row * TILE[1]];
         let last = [corner[0] + TILE[0] - 1, corner[1] + TILE[1] - 1];
-        let tile = Rectangle {
-            min: corner,
-            max: last,
+        let canvas = Canvas {
+            picture,
+            footprint: Footprint::of(simd, picture.pattern),
+            tile: Rectangle {
+                min: corner,
+                max: last,
+            },
         };
         let geometry = &picture.geometry;
         for chunk in picture.chunks {
-            for triangle in chunk.of_tile([column, row], &picture.grid) {
-                if self.drawn.len() >= MOST_DRAWN {
+            let of_tile = chunk.of_tile([column, row], &picture.grid);
+            for triangle in of_tile.before(geometry.first_blending) {
+                if self.triangles.drawn.len() >= MOST_DRAWN {
                     if !picture.spread.is_wanted() {
                         return;
                     }
                     self.forget_hidden();
                 }
                 let place = geometry.place(triangle);
-                let corners = geometry.projected_of(place);
-                let [a, b, c] = corners;
                 let drawn = Drawn {
                     triangle,
                     piece: 0,
                     looked_up: NONE,
                 };
+                if let Some(coated) = masked(geometry, place) {
+                    self.masked(simd, &canvas, place, drawn, coated);
+                    continue;
+                }
+                let corners = geometry.projected_of(place);
+                let [a, b, c] = corners;
                 if !(a.is_beyond() || b.is_beyond() || c.is_beyond()) {
-                    self.triangle(&footprint, picture, tile, place, drawn, corners);
+                    self.triangle(&canvas, place, drawn, corners, &Everywhere);
                     continue;
                 }
                 for (piece, corners) in (0..).zip(geometry.pieces(place)) {
                     let drawn = Drawn { piece, ..drawn };
                     let corners = corners.map(|corner| corner.projected);
-                    self.triangle(&footprint, picture, tile, place, drawn, corners);
+                    self.triangle(&canvas, place, drawn, corners, &Everywhere);
                 }
             }
         }
@@ -131,15 +148,19 @@ impl TileRoom {
 
     /// A triangle, or a piece of one, into the samples of the tile.
     #[inline(always)]
-    fn triangle<S: Simd>(
+    fn triangle<S: Simd, P: Presence>(
         &mut self,
-        footprint: &Footprint<S>,
-        picture: &Picturing<'_>,
-        tile: Rectangle,
+        canvas: &Canvas<'_, S>,
         place: Place<'_>,
         drawn: Drawn,
         corners: [Projected; 3],
+        presence: &P,
     ) {
+        let Canvas {
+            picture,
+            footprint,
+            tile,
+        } = canvas;
         let Some(reached) = seen(corners, place, &picture.grid, picture.pattern) else {
             return;
         };
@@ -147,11 +168,49 @@ impl TileRoom {
         if reached.is_empty() {
             return;
         }
-        let number = self.drawn.len() as u32;
-        self.drawn.push(drawn);
-        let (samples, layer) = (&mut self.samples, place.surface.layer);
-        raster::draw(
-            footprint, samples, tile.min, layer, number, corners, reached,
+        let mark = Mark {
+            layer: place.surface.layer,
+            number: self.triangles.drawn.len() as u32,
+        };
+        self.triangles.drawn.push(drawn);
+        let target = Nearest {
+            tile: &mut self.samples,
+            mark,
+        };
+        raster::draw(footprint, target, tile.min, corners, reached, presence);
+    }
+
+    /// A triangle with holes, whole or in pieces. By itself, so that it does not lie in the way of all those without.
+    #[inline(never)]
+    fn masked<S: Simd>(
+        &mut self,
+        simd: S,
+        canvas: &Canvas<'_, S>,
+        place: Place<'_>,
+        drawn: Drawn,
+        coated: &Coated<'_>,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let Canvas { picture, .. } = canvas;
+                let geometry = &picture.geometry;
+                let whole = geometry.corners_of_whole(place);
+                let mut draw = |drawn: Drawn, corners: [Corner; 3]| {
+                    let projected = corners.map(|corner| corner.projected);
+                    if seen(projected, place, &picture.grid, picture.pattern).is_some() {
+                        let cutout = Cutout::of(simd, coated, &corners);
+                        self.triangle(canvas, place, drawn, projected, &cutout);
+                    }
+                };
+                if whole.iter().any(|corner| corner.projected.is_beyond()) {
+                    for (piece, corners) in (0..).zip(geometry.pieces(place)) {
+                        draw(Drawn { piece, ..drawn }, corners);
+                    }
+                } else {
+                    draw(drawn, whole);
+                }
+            },
         );
     }
 
@@ -159,7 +218,7 @@ impl TileRoom {
     fn forget_hidden(&mut self) {
         let Self {
             samples,
-            drawn,
+            triangles: Triangles { drawn, .. },
             renumbered,
             ..
         } = self;
@@ -192,6 +251,13 @@ impl TileRoom {
         block: usize,
         at: [u32; 2],
     ) -> bool {
+        if picture.geometry.blends() {
+            let samples = picture.pattern.count();
+            if let Some(colors) = self.overlay.colors(block, samples) {
+                self.base = Sums::of_samples(simd, samples, colors);
+                return true;
+            }
+        }
         let layers = [(Layer::Base, true), (Layer::Skin, picture.has_skin_layer)];
         for (layer, is_drawn) in layers {
             if !is_drawn {
@@ -200,19 +266,8 @@ impl TileRoom {
             let Some(shown) = self.samples.shown(block, layer) else {
                 return false;
             };
-            self.fragments.count = 0;
-            let mut gather = Gather {
-                picture,
-                at,
-                drawn: &mut self.drawn,
-                looked_up: &mut self.looked_up,
-                fragments: &mut self.fragments,
-            };
-            match picture.pattern.count() {
-                1 => gather.block::<S, 1>(simd, shown),
-                _ => gather.block::<S, 4>(simd, shown),
-            }
-            shade(simd, picture.view, &mut self.fragments);
+            let gather = self.triangles.gather(picture, at, &mut self.fragments);
+            shade_shown(simd, picture, gather, shown);
             let sums = match layer {
                 Layer::Base => &mut self.base,
                 Layer::Skin => &mut self.skin,
@@ -222,4 +277,58 @@ impl TileRoom {
         }
         true
     }
+}
+
+/// What triangles of a tile are drawn on.
+struct Canvas<'a, S: Simd> {
+    picture: &'a Picturing<'a>,
+    footprint: Footprint<S>,
+    /// The picture's pixels.
+    tile: Rectangle,
+}
+
+/// What a triangle's surface is coated with, if that has holes.
+#[inline(always)]
+fn masked<'a>(geometry: &Geometry<'a>, place: Place<'_>) -> Option<&'a Coated<'a>> {
+    match place.surface.paint {
+        Paint::Coated(coated) => {
+            let coated = &geometry.coated[coated as usize];
+            coated.has_holes().then_some(coated)
+        }
+        _ => None,
+    }
+}
+
+/// Gathers and shades what the samples of a block show.
+#[inline(always)]
+pub(super) fn shade_shown<S: Simd>(
+    simd: S,
+    picture: &Picturing<'_>,
+    mut gather: Gather<'_>,
+    shown: &[u32],
+) {
+    if picture.geometry.coated.is_empty() {
+        match picture.pattern.count() {
+            1 => gather.block::<S, 1, false>(simd, shown),
+            _ => gather.block::<S, 4, false>(simd, shown),
+        }
+        shade::<S, false>(simd, picture.view, gather.fragments);
+    } else {
+        coated(simd, picture, gather, shown);
+    }
+}
+
+/// Gathers and shades a block that may show coated surfaces. By itself, so that it does not lie in the way of pictures without.
+#[inline(never)]
+fn coated<S: Simd>(simd: S, picture: &Picturing<'_>, mut gather: Gather<'_>, shown: &[u32]) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            match picture.pattern.count() {
+                1 => gather.block::<S, 1, true>(simd, shown),
+                _ => gather.block::<S, 4, true>(simd, shown),
+            }
+            shade::<S, true>(simd, picture.view, gather.fragments);
+        },
+    );
 }

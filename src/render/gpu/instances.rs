@@ -1,4 +1,4 @@
-//! What a submission skins: each distinct instance once, and of it only the meshes that somebody asked for. Never lives here: skinning.
+//! What a submission skins: each distinct instance once, all of it where a picture shows it, else only the meshes that somebody asked for. Never lives here: skinning.
 
 use crate::render::{Instance, Plan, Wanted};
 use crate::rig::Mesh;
@@ -23,10 +23,15 @@ impl<'a> Skins<'a> {
             for instance in plan.shown_instances() {
                 match &plan.wanted {
                     Wanted::Picture(_) => {
-                        let meshes = instance.rig().meshes().iter().enumerate();
+                        let meshes = instance.rig().meshes();
                         let is_drawn = |mesh: &Mesh| !mesh.draw_triangles().is_empty();
-                        let drawn = meshes.filter(|(_, mesh)| is_drawn(mesh));
-                        drawn.for_each(|(mesh, _)| skins.add(instance, mesh));
+                        if !meshes.iter().any(is_drawn) {
+                            continue;
+                        }
+                        // Also those without triangles, so that it is one run of vertices, counted from the rig's first.
+                        let there = meshes.iter().enumerate();
+                        let there = there.filter(|(_, mesh)| mesh.vertex_count() > 0);
+                        there.for_each(|(mesh, _)| skins.add(instance, mesh));
                     }
                     Wanted::Vertices(queries) => {
                         let answered = queries.iter().filter(|query| asks_for_any(query));

@@ -1,12 +1,14 @@
 //! What the shaders read, byte for byte: `repr(C)` mirrors of the structs in `shaders/*.wgsl`, beside the
-//! [`View`](crate::render::view::View) that both renderers read.
+//! [`View`](crate::render::view::View) and the [`Coat`](crate::render::coat::Coat) that both renderers read.
 
 use bytemuck::{Pod, Zeroable};
 
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct SkinJob {
+    pub first_vertex: u32,
     pub vertex_count: u32,
+    pub rig_vertex_count: u32,
     pub first_row: u32,
     pub first_morph_weight: u32,
     pub positions_start: u32,
@@ -26,6 +28,7 @@ mod tests {
     use super::*;
     use crate::limits::Limits;
     use crate::pose::{SkinDualQuaternion, SkinMatrix};
+    use crate::render::coat::Coat;
     use crate::render::gpu::shaders;
     use crate::render::view::{LIGHTS, ShaderLight, View};
     use crate::rig::{Influence, MorphDisplacement};
@@ -67,8 +70,13 @@ mod tests {
         assert_mirrors!(shaders::SHADE, "Light", ShaderLight {
             toward_or_position = "toward_or_position", radiance = "radiance",
         });
+        assert_mirrors!(shaders::COAT, "Coat", Coat {
+            color = "color", specular = "specular", shininess = "shininess", emissive = "emissive", least_alpha = "least_alpha",
+            color_place = "color_place", emissive_place = "emissive_place", normal_place = "normal_place",
+            normal_scale = "normal_scale", is_translucent = "is_translucent", is_lit = "is_lit", is_flat = "is_flat",
+        });
         assert_mirrors!(shaders::SKIN_LINEAR, "SkinJob", SkinJob {
-            vertex_count = "vertex_count", first_row = "first_row", first_morph_weight = "first_morph_weight",
+            first_vertex = "first_vertex", vertex_count = "vertex_count", rig_vertex_count = "rig_vertex_count", first_row = "first_row", first_morph_weight = "first_morph_weight",
             positions_start = "positions_start", normals_start = "normals_start",
         });
         assert_mirrors!(shaders::RESOLVE, "ResolveJob", ResolveJob {

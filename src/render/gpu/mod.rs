@@ -3,7 +3,9 @@
 mod adapter;
 mod buffers;
 mod clock;
+mod coats;
 mod device;
+mod draws;
 mod instances;
 mod layout;
 mod pipelines;
@@ -17,6 +19,7 @@ mod solids;
 mod targets;
 mod textures;
 mod upload;
+mod wear;
 
 pub use adapter::adapters;
 pub use readback::{Finished, InFlight};
@@ -128,7 +131,7 @@ impl Gpu {
         let device = &self.device;
         let skins = Skins::of(plans);
         let layouts = Layouts {
-            mesh: &self.skin.mesh_layout,
+            rig: &self.skin.rig_layout,
             textures: &self.textures,
         };
         for skin in skins.iter() {
@@ -149,14 +152,18 @@ impl Gpu {
         let skinned = self.skin.encode(device, &mut encoder, &skins, &rigs);
         let skinned_of = |instance| {
             let place = skins.position(instance);
-            place.map_or(&[][..], |place| &skinned[place])
+            place.map(|place| &skinned[place])
         };
         let drawings = plans.iter().filter_map(|plan| match &plan.wanted {
             Wanted::Picture(picture) => {
                 let shown = plan.shown_instances().iter();
-                let skin = shown.map(|instance| (instance, skinned_of(instance)));
+                let skin = shown.map(|instance| Some((instance, skinned_of(instance)?)));
                 let skin = skin.collect();
-                Some(Drawing { picture, skin })
+                Some(Drawing {
+                    plan,
+                    picture,
+                    skin,
+                })
             }
             Wanted::Vertices(_) => None,
         });
@@ -182,7 +189,7 @@ impl Gpu {
                     copies.copy(&mut encoder, &targets.pixels, 0, bytes);
                 }
                 Wanted::Vertices(queries) => {
-                    let of_plan = plan.instances.first().map_or(&[][..], skinned_of);
+                    let of_plan = plan.instances.first().and_then(skinned_of);
                     copies.copy_vertices(&mut encoder, queries, of_plan, vertices);
                 }
             }

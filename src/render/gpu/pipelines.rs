@@ -1,5 +1,7 @@
-//! The pipelines of the shade stage: one for each kind of thing, sample count and side that is left out, made when first needed.
+//! The pipelines of the shade stage: one for each kind of thing, sample count, side that is left out and whether it blends, made when first
+//! needed.
 
+use super::coats::Coats;
 use super::device::Device;
 use super::shaders;
 use super::targets::{COLOR_FORMAT, DEPTH_FORMAT};
@@ -17,6 +19,14 @@ pub(super) enum Kind {
     Solids,
     Skin,
     TexturedSkin,
+    CoatedSkin(Given),
+}
+
+/// What a rig gives for each vertex by itself. What it does not is the same for all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Given {
+    pub texcoords: bool,
+    pub colors: bool,
 }
 
 /// What tells one pipeline from another.
@@ -25,12 +35,16 @@ pub(super) struct Variant {
     pub kind: Kind,
     pub samples: Samples,
     pub culled: Option<Side>,
+    /// Laid over what is there, by its alpha, and hides nothing that is drawn later. Otherwise it takes the place of what is behind.
+    pub blends: bool,
 }
 
 pub(super) struct Pipelines {
     layout: wgpu::PipelineLayout,
     textured_layout: wgpu::PipelineLayout,
+    coated_layout: wgpu::PipelineLayout,
     skin_module: wgpu::ShaderModule,
+    coat_module: wgpu::ShaderModule,
     line_module: wgpu::ShaderModule,
     solid_module: wgpu::ShaderModule,
     made: HashMap<Variant, wgpu::RenderPipeline>,
@@ -41,6 +55,7 @@ impl Pipelines {
         device: &Device,
         view_layout: &wgpu::BindGroupLayout,
         textures: &TextureBinding,
+        coats: &Coats,
     ) -> Self {
         let module = |label, source: &'static str| {
             let source = wgpu::ShaderSource::Wgsl(source.into());
@@ -63,7 +78,13 @@ impl Pipelines {
         Self {
             layout: layout(&[Some(view_layout)]),
             textured_layout: layout(&[Some(view_layout), Some(&textures.layout)]),
+            coated_layout: layout(&[
+                Some(view_layout),
+                Some(&textures.coat_layout),
+                Some(&coats.layout),
+            ]),
             skin_module: module("shade.skin", shaders::SHADE),
+            coat_module: module("shade.coat", shaders::COAT),
             line_module: module("shade.lines", shaders::LINES),
             solid_module: module("shade.solids", shaders::SOLIDS),
             made: HashMap::new(),
@@ -88,20 +109,29 @@ impl Pipelines {
             kind,
             samples,
             culled,
+            blends,
         } = variant;
         let positions = wgpu::vertex_attr_array![0 => Float32x3];
         let normals = wgpu::vertex_attr_array![1 => Float32x3];
         let texcoords = wgpu::vertex_attr_array![2 => Float32x2];
+        let colors = wgpu::vertex_attr_array![3 => Float32x4];
         let segment =
             wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Float32x3];
         let solid = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3];
-        let per_vertex = |array_stride: usize, attributes| {
+        // What is drawn is a single instance: all of its vertices read the same.
+        let per_vertex_or_once = |is_given, array_stride: usize, attributes| {
             Some(wgpu::VertexBufferLayout {
                 array_stride: array_stride as u64,
-                step_mode: VertexStepMode::Vertex,
+                step_mode: if is_given {
+                    VertexStepMode::Vertex
+                } else {
+                    VertexStepMode::Instance
+                },
                 attributes,
             })
         };
+        let per_vertex =
+            |array_stride, attributes| per_vertex_or_once(true, array_stride, attributes);
         let (layout, module, stem, buffers) = match kind {
             Kind::Lines => (
                 &self.layout,
@@ -131,6 +161,17 @@ impl Pipelines {
                     per_vertex(8, &texcoords[..]),
                 ],
             ),
+            Kind::CoatedSkin(given) => (
+                &self.coated_layout,
+                &self.coat_module,
+                "coated",
+                vec![
+                    per_vertex(12, &positions[..]),
+                    per_vertex(12, &normals[..]),
+                    per_vertex_or_once(given.texcoords, 8, &texcoords[..]),
+                    per_vertex_or_once(given.colors, 16, &colors[..]),
+                ],
+            ),
         };
         let (vertex, fragment) = (format!("{stem}_vertex"), format!("{stem}_fragment"));
         device
@@ -154,7 +195,7 @@ impl Pipelines {
                 },
                 depth_stencil: Some(wgpu::DepthStencilState {
                     format: DEPTH_FORMAT,
-                    depth_write_enabled: Some(true),
+                    depth_write_enabled: Some(!blends),
                     depth_compare: Some(CompareFunction::Greater),
                     stencil: wgpu::StencilState::default(),
                     bias: wgpu::DepthBiasState::default(),
@@ -167,7 +208,10 @@ impl Pipelines {
                     module,
                     entry_point: Some(&fragment),
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &[Some(COLOR_FORMAT.into())],
+                    targets: &[Some(wgpu::ColorTargetState {
+                        blend: blends.then_some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                        ..COLOR_FORMAT.into()
+                    })],
                 }),
                 multiview_mask: None,
                 cache: None,

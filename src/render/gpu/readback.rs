@@ -3,7 +3,7 @@
 use super::buffers::Readbacks;
 use super::clock::Clock;
 use super::device::Device;
-use super::skin::SkinnedMesh;
+use super::skin::SkinnedRig;
 use crate::frame::{Frame, SkinnedVertices};
 use crate::render::{Outputs, Plan, RenderError, Wanted};
 use crate::scene::{Size, VertexQuery};
@@ -67,15 +67,17 @@ impl Copies {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         queries: &[VertexQuery],
-        skinned: &[SkinnedMesh<'_>],
+        skinned: Option<&SkinnedRig<'_>>,
         vertices: &wgpu::Buffer,
     ) {
         for query in queries {
+            let found = skinned.and_then(|place| Some((place, place.offset(query.mesh)?)));
             // A mesh that was not skinned was asked for nothing.
-            let Some(place) = skinned.iter().find(|place| place.mesh.index == query.mesh) else {
+            let Some((place, offset)) = found else {
                 continue;
             };
-            let (first, bytes) = (12 * query.start as u64, 12 * query.count as u64);
+            let first = offset + 12 * query.start as u64;
+            let bytes = 12 * query.count as u64;
             let starts = [
                 (query.positions, place.positions_start),
                 (query.normals, place.normals_start),

@@ -1,5 +1,6 @@
 //! How much may share a submission. Never lives here: what is done with the rest.
 
+use super::coats::Coats;
 use super::shade::{LINE_CORNERS, shape_of};
 use crate::pose::SkinDualQuaternion;
 use crate::render::{Plan, Segment, SolidVertex, Wanted};
@@ -55,7 +56,11 @@ fn bytes(plan: &Plan, beside: &[&Plan]) -> u64 {
             let lines = skeleton.lines.len() * LINE_CORNERS as usize * size_of::<Segment>();
             let solids =
                 solids.vertices.len() * size_of::<SolidVertex>() + 12 * solids.triangles.len();
-            targets + (4 * shape.size.pixels() + lines + solids) as u64
+            let meshes = plan.shown_instances().iter();
+            let meshes = meshes.flat_map(|instance| instance.rig().meshes());
+            let parts = meshes.map(|mesh| mesh.parts().len()).sum::<usize>();
+            let coats = parts * Coats::MOST_STRIDE;
+            targets + (4 * shape.size.pixels() + lines + solids + coats) as u64
         }
         Wanted::Vertices(queries) => {
             let attributes = |query: &crate::scene::VertexQuery| {

@@ -1,27 +1,28 @@
-//! Stages 2 to 4 on the device, `shaders/shade.wgsl`, `lines.wgsl` and `solids.wgsl`: skin and skeleton into the targets.
+//! Stages 2 to 4 on the device, `shaders/shade.wgsl`, `coat.wgsl`, `lines.wgsl` and `solids.wgsl`: skin and skeleton into the targets.
 
-use super::buffers::Growing;
+use super::buffers::{Growing, filled};
+use super::coats::Coats;
 use super::device::Device;
+use super::draws::{Draw, Draws};
 use super::pipelines::{Kind, Pipelines, Variant};
-use super::skin::SkinnedMesh;
+use super::skin::SkinnedRig;
 use super::solids::{SolidBuffers, SolidPlace};
 use super::targets::{ColorTarget, Layers, TargetShape, Targets};
 use super::textures::TextureBinding;
-use crate::render::cull;
+use super::wear::Wear;
+use crate::render::order::{PartPlace, blending_parts};
 use crate::render::view::View;
-use crate::render::{Instance, Picture, Segment};
+use crate::render::{Instance, Picture, Plan, Segment};
 use glam::Vec4;
 use std::ops::Range;
 use wgpu::BufferUsages;
 
-/// What `picture` is drawn into. A translucent skin gets a layer of its own, so that only its nearest surface is laid over what stands
-/// behind it.
+/// What `picture` is drawn into. A translucent skin gets a layer of its own, so that only its nearest surface is laid over what is behind.
 pub(super) fn shape_of(picture: &Picture) -> TargetShape {
-    let is_translucent = picture.skin_is_shown && picture.scene.show.skin_opacity() < 1.0;
     TargetShape {
         size: picture.scene.size,
         samples: picture.scene.samples,
-        layers: if is_translucent {
+        layers: if picture.is_translucent() {
             Layers::Two
         } else {
             Layers::One
@@ -43,6 +44,9 @@ pub(super) struct ShadeStage {
     /// Each segment once for each of its six corners: a software driver takes instances one at a time.
     lines: Growing,
     solids: SolidBuffers,
+    coats: Coats,
+    /// What all vertices of a rig read where it gives none: white, and texture coordinates of zero.
+    not_given: wgpu::Buffer,
     /// Reused from submission to submission.
     scratch: Scratch,
 }
@@ -51,12 +55,15 @@ pub(super) struct ShadeStage {
 struct Scratch {
     views: Vec<u8>,
     corners: Vec<Segment>,
+    order: Vec<(f64, PartPlace)>,
 }
 
-/// A picture and the skin in it.
+/// A picture, that of `plan`, and the skin in it.
 pub(super) struct Drawing<'a> {
+    pub plan: &'a Plan,
     pub picture: &'a Picture,
-    pub skin: Vec<(&'a Instance, &'a [SkinnedMesh<'a>])>,
+    /// By instance that the plan shows; `None` of which nothing is there to be drawn.
+    pub skin: Vec<Option<(&'a Instance, &'a SkinnedRig<'a>)>>,
 }
 
 /// A picture whose numbers are on the device.
@@ -66,15 +73,13 @@ pub(super) struct Ready<'a> {
     /// In bytes.
     lines: Range<u64>,
     solids: SolidPlace,
-    skin: Vec<Draw<'a>>,
+    skin: Draws<'a>,
 }
 
-/// Triangles of one mesh that are drawn alike.
-struct Draw<'a> {
-    variant: Variant,
-    place: &'a SkinnedMesh<'a>,
-    indices: Range<u32>,
-}
+/// Four floats of color, then two of texture coordinates.
+const NOT_GIVEN: [f32; 6] = [1.0, 1.0, 1.0, 1.0, 0.0, 0.0];
+const NO_COLOR: Range<u64> = 0..16;
+const NO_TEXCOORD: Range<u64> = 16..24;
 
 impl ShadeStage {
     pub fn new(device: &Device, textures: &TextureBinding) -> Self {
@@ -94,20 +99,24 @@ impl ShadeStage {
         });
         let views = Growing::new(device, "shade.views", BufferUsages::UNIFORM);
         let alignment = wgpu_device.limits().min_uniform_buffer_offset_alignment as usize;
+        let coats = Coats::new(device);
         Self {
-            pipelines: Pipelines::new(device, &view_layout, textures),
+            pipelines: Pipelines::new(device, &view_layout, textures, &coats),
             view_group: bind(device, &view_layout, &views),
             view_layout,
             views,
             view_stride: size_of::<View>().next_multiple_of(alignment),
             lines: Growing::new(device, "shade.lines", BufferUsages::VERTEX),
             solids: SolidBuffers::new(device),
+            coats,
+            not_given: filled(device, "shade.not_given", BufferUsages::VERTEX, &NOT_GIVEN),
             scratch: Scratch::default(),
         }
     }
 
     pub fn bytes(&self) -> u64 {
-        self.views.buffer().size() + self.lines.buffer().size() + self.solids.bytes()
+        let own = self.views.buffer().size() + self.lines.buffer().size();
+        own + self.solids.bytes() + self.coats.bytes()
     }
 
     /// Writes what the passes of all pictures of a submission read, and makes the pipelines that were not needed before.
@@ -115,30 +124,32 @@ impl ShadeStage {
         if drawings.is_empty() {
             return Vec::new();
         }
-        let Scratch { views, corners } = &mut self.scratch;
+        let Scratch {
+            views,
+            corners,
+            order,
+        } = &mut self.scratch;
         views.clear();
         corners.clear();
+        self.coats.clear();
         let pictures = drawings.iter().map(|drawing| drawing.picture);
         let solids = pictures.map(|picture| &picture.skeleton.solids);
         let solids = self.solids.write(device, solids);
         let ready = drawings.iter().zip(solids).map(|(drawing, solids)| {
-            let Drawing { picture, skin } = drawing;
+            let picture = drawing.picture;
             let view_offset = views.len() as u32;
             views.extend_from_slice(bytemuck::bytes_of(&View::of(picture)));
             views.resize(view_offset as usize + self.view_stride, 0);
             let lines_start = size_of_val(corners.as_slice()) as u64;
             let segments = picture.skeleton.lines.iter();
             corners.extend(segments.flat_map(|segment| [*segment; LINE_CORNERS as usize]));
-            let draws = skin.iter().flat_map(|(instance, meshes)| {
-                let draws = |place| draws(instance, place, picture);
-                meshes.iter().flat_map(draws)
-            });
+            blending_parts(drawing.plan, order);
             Ready {
                 picture,
                 view_offset,
                 lines: lines_start..size_of_val(corners.as_slice()) as u64,
                 solids,
-                skin: draws.collect(),
+                skin: Draws::of(drawing, order, &mut self.coats),
             }
         });
         let ready: Vec<_> = ready.collect();
@@ -146,6 +157,7 @@ impl ShadeStage {
             self.view_group = bind(device, &self.view_layout, &self.views);
         }
         self.lines.write(device, corners);
+        self.coats.write(device);
         for ready in &ready {
             for variant in ready.variants() {
                 self.pipelines.prepare(device, variant);
@@ -165,13 +177,15 @@ impl ShadeStage {
         let background = ready.picture.scene.background.premultiplied();
         let mut pass = begin(encoder, &targets.color, Some(background), targets);
         self.draw_skeleton(&mut pass, ready);
-        let Some(skin_color) = &targets.skin_color else {
-            return self.draw_skin(&mut pass, ready, vertices);
+        self.draw_skin(&mut pass, &ready.skin.base, vertices);
+        let Some(layer_color) = &targets.skin_color else {
+            return;
         };
         drop(pass);
-        // With the depth of the skeleton, so that skin behind it stays behind it.
-        let mut pass = begin(encoder, skin_color, None, targets);
-        self.draw_skin(&mut pass, ready, vertices);
+        // With the depth of what is there, so that the skin stays behind what it is behind of.
+        let mut pass = begin(encoder, layer_color, None, targets);
+        pass.set_bind_group(0, &self.view_group, &[ready.view_offset]);
+        self.draw_skin(&mut pass, &ready.skin.layer, vertices);
     }
 
     fn draw_skeleton(&self, pass: &mut wgpu::RenderPass<'_>, ready: &Ready<'_>) {
@@ -191,24 +205,42 @@ impl ShadeStage {
     fn draw_skin(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
-        ready: &Ready<'_>,
+        draws: &[Draw<'_>],
         vertices: &wgpu::Buffer,
     ) {
-        pass.set_bind_group(0, &self.view_group, &[ready.view_offset]);
         for Draw {
             variant,
             place,
+            wear,
+            coat,
             indices,
-        } in &ready.skin
+        } in draws
         {
-            let mesh = place.mesh;
-            if let Some(texturing) = &mesh.texturing {
-                pass.set_bind_group(1, &texturing.bind_group, &[]);
-                pass.set_vertex_buffer(2, texturing.texcoords.slice(..));
+            let rig = place.rig;
+            let texcoords = match &rig.texcoords {
+                Some(texcoords) => texcoords.slice(..),
+                None => self.not_given.slice(NO_TEXCOORD),
+            };
+            let colors = match &rig.colors {
+                Some(colors) => colors.slice(..),
+                None => self.not_given.slice(NO_COLOR),
+            };
+            match wear {
+                Wear::Plain => {}
+                Wear::Textured(texture) => {
+                    pass.set_bind_group(1, texture, &[]);
+                    pass.set_vertex_buffer(2, texcoords);
+                }
+                Wear::Coated { textures, .. } => {
+                    pass.set_bind_group(1, textures, &[]);
+                    coat.iter().for_each(|coat| self.coats.set(pass, 2, *coat));
+                    pass.set_vertex_buffer(2, texcoords);
+                    pass.set_vertex_buffer(3, colors);
+                }
             }
             pass.set_vertex_buffer(0, vertices.slice(place.positions_start..));
             pass.set_vertex_buffer(1, vertices.slice(place.normals_start..));
-            pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
+            pass.set_index_buffer(rig.indices.slice(..), wgpu::IndexFormat::Uint32);
             pass.set_pipeline(self.pipelines.get(*variant));
             pass.draw_indexed(indices.clone(), 0, 0..1);
         }
@@ -234,36 +266,9 @@ impl Ready<'_> {
             kind,
             samples,
             culled: None,
+            blends: false,
         })
     }
-}
-
-/// What one mesh of the skin is drawn with, and which of its indices.
-fn draws<'a>(
-    instance: &Instance,
-    place: &'a SkinnedMesh<'a>,
-    picture: &Picture,
-) -> impl Iterator<Item = Draw<'a>> + use<'a> {
-    let mesh = &instance.rig().meshes()[place.mesh.index];
-    let kind = match place.mesh.texturing {
-        Some(_) => Kind::TexturedSkin,
-        None => Kind::Skin,
-    };
-    let samples = picture.scene.samples;
-    let reach = cull::reach(instance, mesh);
-    cull::parts(instance, mesh, &picture.scene, reach).map(move |part| {
-        let variant = Variant {
-            kind,
-            samples,
-            culled: part.culled,
-        };
-        let Range { start, end } = part.triangles;
-        Draw {
-            variant,
-            place,
-            indices: 3 * start as u32..3 * end as u32,
-        }
-    })
 }
 
 /// One view at a time.

@@ -10,6 +10,7 @@ pub(super) const SKIN_LINEAR: &str = shader!("common.wgsl", "skin.wgsl", "skin_l
 pub(super) const SKIN_DUAL_QUATERNION: &str =
     shader!("common.wgsl", "skin.wgsl", "skin_dual_quaternion.wgsl");
 pub(super) const SHADE: &str = shader!("common.wgsl", "light.wgsl", "shade.wgsl");
+pub(super) const COAT: &str = shader!("common.wgsl", "light.wgsl", "coat.wgsl");
 pub(super) const LINES: &str = shader!("common.wgsl", "lines.wgsl");
 pub(super) const SOLIDS: &str = shader!("common.wgsl", "light.wgsl", "solids.wgsl");
 pub(super) const RESOLVE: &str = shader!("common.wgsl", "resolve.wgsl");
@@ -27,6 +28,7 @@ mod tests {
             SKIN_LINEAR,
             SKIN_DUAL_QUATERNION,
             SHADE,
+            COAT,
             LINES,
             SOLIDS,
             RESOLVE,

@@ -6,18 +6,24 @@ use super::device::Device;
 use super::instances::Skins;
 use super::layout::SkinJob;
 use super::shaders;
-use super::upload::{GpuMesh, GpuRig};
+use super::upload::GpuRig;
 use crate::pose::Skinning;
 use glam::Vec4;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
+use std::ops::Range;
 use wgpu::{BufferUsages, ShaderStages};
 
-/// Where one mesh of one instance lies in the skinned buffer.
-pub(super) struct SkinnedMesh<'a> {
-    pub mesh: &'a GpuMesh,
+/// Where one instance lies in the skinned buffer.
+pub(super) struct SkinnedRig<'a> {
+    pub rig: &'a GpuRig,
+    /// Of the rig's vertices, the first that has a place there. Those behind it follow, up to the last that was asked for, whether they
+    /// were skinned or not.
+    pub first_vertex: u32,
     /// In bytes, three floats a vertex.
     pub positions_start: u64,
     pub normals_start: u64,
+    /// What was asked for of the rig's vertices.
+    runs: Vec<Range<u32>>,
 }
 
 pub(super) struct SkinStage {
@@ -25,7 +31,7 @@ pub(super) struct SkinStage {
     /// Made when first needed.
     pipelines: HashMap<Skinning, wgpu::ComputePipeline>,
     job_layout: wgpu::BindGroupLayout,
-    pub mesh_layout: wgpu::BindGroupLayout,
+    pub rig_layout: wgpu::BindGroupLayout,
     jobs: Growing,
     palette: Growing,
     morph_weights: Growing,
@@ -56,9 +62,9 @@ impl SkinStage {
                 wgpu::BufferBindingType::Storage { read_only: false },
             ],
         );
-        let mesh_layout = layout(
+        let rig_layout = layout(
             device,
-            "skin.mesh",
+            "skin.rig",
             &[wgpu::BufferBindingType::Storage { read_only: true }; 5],
         );
         let pipeline_layout =
@@ -66,7 +72,7 @@ impl SkinStage {
                 .device
                 .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                     label: Some("skin.pipeline_layout"),
-                    bind_group_layouts: &[Some(&job_layout), Some(&mesh_layout)],
+                    bind_group_layouts: &[Some(&job_layout), Some(&rig_layout)],
                     immediate_size: 0,
                 });
         let jobs = Growing::new(device, "skin.jobs", BufferUsages::UNIFORM);
@@ -86,7 +92,7 @@ impl SkinStage {
             pipeline_layout,
             pipelines: HashMap::new(),
             job_layout,
-            mesh_layout,
+            rig_layout,
             jobs,
             palette,
             morph_weights,
@@ -141,15 +147,15 @@ impl SkinStage {
         });
     }
 
-    /// Writes palettes and weights and records the skin pass, if there is anything to skin. `rigs` are those of `skins`, in step, and so are
-    /// the meshes that are returned, of each skin those that were asked for.
+    /// Writes palettes and weights and records the skin pass, if there is anything to skin. `rigs` are those of `skins`, in step, and so is
+    /// what is returned.
     pub fn encode<'a>(
         &mut self,
         device: &Device,
         encoder: &mut wgpu::CommandEncoder,
         skins: &Skins<'_>,
         rigs: &[&'a GpuRig],
-    ) -> Vec<Vec<SkinnedMesh<'a>>> {
+    ) -> Vec<SkinnedRig<'a>> {
         if rigs.is_empty() {
             return Vec::new();
         }
@@ -171,27 +177,32 @@ impl SkinStage {
             palette.extend_from_slice(skin.instance.palette().rows());
             let first_morph_weight = morph_weights.len() as u32;
             morph_weights.extend_from_slice(skin.instance.morph_weights());
-            let meshes = rig.meshes.iter();
-            let wanted = meshes.filter(|mesh| skin.meshes.contains(&mesh.index));
-            let places = wanted.map(|mesh| {
-                let (positions_start, normals_start) = (floats, floats + 3 * mesh.vertex_count);
-                floats += 6 * mesh.vertex_count;
+            let runs = runs(rig, &skin.meshes);
+            let first_vertex = runs.first().map_or(0, |run| run.start);
+            let count = runs.last().map_or(0, |run| run.end) - first_vertex;
+            let (positions_start, normals_start) = (floats, floats + 3 * count);
+            floats += 6 * count;
+            for run in &runs {
+                let before = 3 * (run.start - first_vertex);
                 let job = SkinJob {
-                    vertex_count: mesh.vertex_count,
+                    first_vertex: run.start,
+                    vertex_count: run.end - run.start,
+                    rig_vertex_count: rig.vertex_count,
                     first_row,
                     first_morph_weight,
-                    positions_start,
-                    normals_start,
+                    positions_start: positions_start + before,
+                    normals_start: normals_start + before,
                 };
                 jobs.extend_from_slice(bytemuck::bytes_of(&job));
                 jobs.resize(jobs.len().next_multiple_of(self.job_stride as usize), 0);
-                SkinnedMesh {
-                    mesh,
-                    positions_start: 4 * u64::from(positions_start),
-                    normals_start: 4 * u64::from(normals_start),
-                }
+            }
+            skinned.push(SkinnedRig {
+                rig,
+                first_vertex,
+                positions_start: 4 * u64::from(positions_start),
+                normals_start: 4 * u64::from(normals_start),
+                runs,
             });
-            skinned.push(places.collect());
         }
         let grew = [
             self.jobs.write(device, jobs),
@@ -219,7 +230,7 @@ impl SkinStage {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         skins: &Skins<'_>,
-        skinned: &[Vec<SkinnedMesh<'_>>],
+        skinned: &[SkinnedRig<'_>],
     ) {
         let descriptor = wgpu::ComputePassDescriptor {
             label: Some("skin.pass"),
@@ -227,18 +238,42 @@ impl SkinStage {
         };
         let mut pass = encoder.begin_compute_pass(&descriptor);
         let mut offset = 0;
-        for (skin, places) in skins.iter().zip(skinned) {
+        for (skin, place) in skins.iter().zip(skinned) {
             pass.set_pipeline(&self.pipelines[&skin.instance.palette().skinning()]);
-            for SkinnedMesh { mesh, .. } in places {
+            pass.set_bind_group(1, &place.rig.bind_group, &[]);
+            for run in &place.runs {
                 pass.set_bind_group(0, &self.bind_group, &[offset]);
-                pass.set_bind_group(1, &mesh.bind_group, &[]);
-                let groups = mesh.vertex_count.div_ceil(shaders::WORKGROUP);
+                let groups = (run.end - run.start).div_ceil(shaders::WORKGROUP);
                 let rows = groups.div_ceil(MOST_GROUPS);
                 pass.dispatch_workgroups(groups.div_ceil(rows), rows, 1);
                 offset += self.job_stride as u32;
             }
         }
     }
+}
+
+impl SkinnedRig<'_> {
+    /// Bytes from the first vertex that has a place to the first one of `mesh`, among positions as among normals; `None` where nobody asked
+    /// for that mesh.
+    pub fn offset(&self, mesh: usize) -> Option<u64> {
+        let vertices = self.rig.vertices.get(mesh)?;
+        let has = |run: &Range<u32>| run.start <= vertices.start && vertices.end <= run.end;
+        let is_there = !vertices.is_empty() && self.runs.iter().any(has);
+        is_there.then(|| 12 * u64::from(vertices.start - self.first_vertex))
+    }
+}
+
+/// The vertices of these meshes, those of meshes that stand side by side as one.
+fn runs(rig: &GpuRig, meshes: &BTreeSet<usize>) -> Vec<Range<u32>> {
+    let mut runs: Vec<Range<u32>> = Vec::new();
+    for mesh in meshes {
+        let vertices = rig.vertices[*mesh].clone();
+        match runs.last_mut() {
+            Some(last) if last.end == vertices.start => last.end = vertices.end,
+            _ => runs.push(vertices),
+        }
+    }
+    runs
 }
 
 /// Workgroups along one dimension that every adapter takes.

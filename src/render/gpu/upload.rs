@@ -1,42 +1,44 @@
-//! From a [`Rig`] to what the device keeps of it.
+//! From a [`Rig`] to what the device keeps of it: all meshes in one buffer of each kind, so that a rig of many is skinned at once and drawn
+//! with few draws.
 
 use super::buffers::filled;
 use super::device::Device;
-use super::textures::TextureBinding;
-use crate::rig::{Mesh, MorphDisplacement, Rig, RigId};
+use super::textures::{TextureBinding, TextureUploads};
+use super::wear::{Stretch, Wardrobe, Wear};
+use crate::rig::{Influence, Mesh, MorphDisplacement, Rig, RigId};
 use bytemuck::Zeroable;
+use glam::{Vec2, Vec3, Vec4};
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::{Arc, Weak};
 use wgpu::{BindGroup, Buffer, BufferUsages};
 
 /// The parts of a rig that never change.
 pub(super) struct GpuRig {
-    pub meshes: Vec<GpuMesh>,
-    rig: Weak<Rig>,
-    bytes: u64,
-}
-
-/// A mesh with at least one vertex.
-pub(super) struct GpuMesh {
-    /// In [`Rig::meshes`].
-    pub index: usize,
+    /// Which of its vertices are those of each mesh.
+    pub vertices: Vec<Range<u32>>,
     pub vertex_count: u32,
-    pub indices: Buffer,
     /// What the skin stage reads: bind vertices, influences, morph displacements.
     pub bind_group: BindGroup,
-    pub texturing: Option<Texturing>,
-}
-
-/// A mesh's texture and where on it each vertex lies.
-pub(super) struct Texturing {
-    pub texcoords: Buffer,
-    pub bind_group: BindGroup,
+    /// Of vertices among all of the rig's; empty where there are none.
+    pub indices: Buffer,
+    /// Zero for a mesh that has none; `None` where no mesh has any, or nobody looks at them.
+    pub texcoords: Option<Buffer>,
+    /// White for a mesh that has none; `None` where no mesh has any.
+    pub colors: Option<Buffer>,
+    pub wears: Vec<Wear>,
+    /// In the order in which they are drawn, with their indices.
+    pub stretches: Vec<(Stretch, Range<u32>)>,
+    /// Which of the stretches are those of each part that blends, by mesh and part: their order is another from picture to picture.
+    blending: HashMap<(usize, usize), Range<usize>>,
+    rig: Weak<Rig>,
+    bytes: u64,
 }
 
 /// How what is uploaded will be bound.
 #[derive(Clone, Copy)]
 pub(super) struct Layouts<'a> {
-    pub mesh: &'a wgpu::BindGroupLayout,
+    pub rig: &'a wgpu::BindGroupLayout,
     pub textures: &'a TextureBinding,
 }
 
@@ -76,111 +78,156 @@ impl Uploads {
 
 impl GpuRig {
     fn upload(device: &Device, layouts: Layouts<'_>, rig: &Arc<Rig>) -> Self {
-        let meshes = rig
-            .meshes()
-            .iter()
-            .enumerate()
-            .filter(|(_, mesh)| mesh.vertex_count() > 0);
-        let textures: Vec<_> = rig
-            .materials()
-            .iter()
-            .map(|material| {
-                let texture = material.texture.as_ref()?;
-                Some(layouts.textures.upload(device, texture))
-            })
-            .collect();
-        let meshes: Vec<_> = meshes
-            .map(|(index, mesh)| {
-                let texture = mesh
-                    .material()
-                    .and_then(|material| textures[material].clone());
-                let texturing = mesh
-                    .texcoords()
-                    .zip(texture)
-                    .map(|(texcoords, bind_group)| {
-                        let usage = BufferUsages::VERTEX;
-                        Texturing {
-                            texcoords: filled(device, "upload.texcoords", usage, texcoords),
-                            bind_group,
-                        }
-                    });
-                GpuMesh {
-                    texturing,
-                    ..GpuMesh::upload(device, layouts.mesh, index, mesh)
-                }
-            })
-            .collect();
-        let of_meshes: u64 = rig.meshes().iter().map(mesh_bytes).sum();
-        let textures = rig.materials().iter().flat_map(|m| &m.texture);
-        let of_textures: u64 = textures.map(|texture| texture.memory_bytes() as u64).sum();
-        Self {
-            meshes,
-            rig: Arc::downgrade(rig),
-            bytes: of_meshes + of_textures,
-        }
-    }
-}
+        let meshes = rig.meshes();
+        let mut uploads = TextureUploads::default();
+        let wardrobe = Wardrobe::new(device, layouts.textures, &mut uploads, rig);
+        let mut vertex_count = 0;
+        let vertices = meshes.iter().map(|mesh| {
+            let first = vertex_count;
+            vertex_count += mesh.vertex_count() as u32;
+            first..vertex_count
+        });
+        let vertices: Vec<_> = vertices.collect();
 
-fn mesh_bytes(mesh: &Mesh) -> u64 {
-    let words = 6 * mesh.vertex_count()
-        + mesh.influence_starts().len()
-        + 2 * mesh.influences().len()
-        + mesh.vertex_count()
-        + 7 * mesh.morph_displacements().len()
-        + mesh.texcoords().map_or(0, |texcoords| 2 * texcoords.len());
-    4 * (words + 3 * mesh.triangles().len()) as u64
-}
-
-impl GpuMesh {
-    /// Without its texture.
-    fn upload(device: &Device, layout: &wgpu::BindGroupLayout, index: usize, mesh: &Mesh) -> Self {
-        let stored = BufferUsages::STORAGE;
-        let bind_vertices = [mesh.positions(), mesh.normals()].concat();
-        // A shader has no way to be given nothing.
-        let no_starts;
-        let nothing = [MorphDisplacement::zeroed()];
-        let (morph_starts, displacements) = match mesh.morph_starts() {
-            [] => {
-                no_starts = vec![0u32; mesh.vertex_count() + 1];
-                (no_starts.as_slice(), nothing.as_slice())
-            }
-            starts => (starts, mesh.morph_displacements()),
-        };
-        let entries = [
-            filled(device, "upload.bind_vertices", stored, &bind_vertices),
-            filled(
-                device,
-                "upload.influence_starts",
-                stored,
-                mesh.influence_starts(),
-            ),
-            filled(device, "upload.influences", stored, mesh.influences()),
-            filled(device, "upload.morph_starts", stored, morph_starts),
-            filled(device, "upload.morph_displacements", stored, displacements),
-        ];
+        let skinned = skinned(device, meshes);
         let entries: Vec<_> = (0u32..)
-            .zip(&entries)
+            .zip(&skinned)
             .map(|(binding, buffer)| wgpu::BindGroupEntry {
                 binding,
                 resource: buffer.as_entire_binding(),
             })
             .collect();
-        let descriptor = wgpu::BindGroupDescriptor {
-            label: Some("upload.mesh"),
-            layout,
+        let bind_group = device.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("upload.rig"),
+            layout: layouts.rig,
             entries: &entries,
-        };
+        });
+
+        let blending = blending(&wardrobe.stretches);
+        let (stretches, indices) = indices(meshes, &vertices, &wardrobe.stretches);
+        let indices = filled(device, "upload.indices", BufferUsages::INDEX, &indices);
+        let has_texcoords = meshes.iter().any(|mesh| mesh.texcoords().is_some());
+        let texcoords = (has_texcoords && wardrobe.is_textured()).then(|| {
+            let texcoords = of_vertices(meshes, Mesh::texcoords, Vec2::ZERO);
+            filled(device, "upload.texcoords", BufferUsages::VERTEX, &texcoords)
+        });
+        let has_colors = meshes.iter().any(|mesh| mesh.colors().is_some());
+        let colors = has_colors.then(|| {
+            let colors = of_vertices(meshes, Mesh::colors, Vec4::ONE);
+            filled(device, "upload.colors", BufferUsages::VERTEX, &colors)
+        });
+
+        let drawn = [Some(&indices), texcoords.as_ref(), colors.as_ref()];
+        let buffers = skinned.iter().chain(drawn.into_iter().flatten());
+        let bytes = buffers.map(Buffer::size).sum::<u64>() + uploads.bytes();
         Self {
-            index,
-            vertex_count: mesh.vertex_count() as u32,
-            indices: filled(
-                device,
-                "upload.indices",
-                BufferUsages::INDEX,
-                mesh.draw_triangles(),
-            ),
-            bind_group: device.device.create_bind_group(&descriptor),
-            texturing: None,
+            vertices,
+            vertex_count,
+            bind_group,
+            indices,
+            texcoords,
+            colors,
+            wears: wardrobe.wears,
+            stretches,
+            blending,
+            rig: Arc::downgrade(rig),
+            bytes,
         }
     }
+
+    /// Those of a part that blends, in the order of its draw triangles.
+    pub fn blending(&self, mesh: usize, part: usize) -> &[(Stretch, Range<u32>)] {
+        let stretches = self.blending.get(&(mesh, part));
+        stretches.map_or(&[], |stretches| &self.stretches[stretches.clone()])
+    }
+}
+
+/// Where the stretches of each part that blends stand, which is in a row.
+fn blending(stretches: &[Stretch]) -> HashMap<(usize, usize), Range<usize>> {
+    let mut places = HashMap::new();
+    let those = stretches.iter().enumerate().filter(|(_, it)| it.blends);
+    for (index, stretch) in those {
+        let place = places.entry((stretch.mesh, stretch.part));
+        place.or_insert(index..index).end = index + 1;
+    }
+    places
+}
+
+/// What the skin stage reads, by binding.
+fn skinned(device: &Device, meshes: &[Mesh]) -> [Buffer; 5] {
+    let stored = BufferUsages::STORAGE;
+    let positions = meshes.iter().flat_map(Mesh::positions);
+    let normals = meshes.iter().flat_map(Mesh::normals);
+    let bind_vertices: Vec<Vec3> = positions.chain(normals).copied().collect();
+    let influences: Vec<Influence> = meshes.iter().flat_map(Mesh::influences).copied().collect();
+    let influence_starts = starts(meshes, |mesh| {
+        (mesh.influence_starts(), mesh.influences().len())
+    });
+    let mut displacements: Vec<MorphDisplacement> = Vec::new();
+    for mesh in meshes {
+        displacements.extend_from_slice(mesh.morph_displacements());
+    }
+    let morph_starts = starts(meshes, |mesh| {
+        (mesh.morph_starts(), mesh.morph_displacements().len())
+    });
+    if displacements.is_empty() {
+        // A shader has no way to be given nothing.
+        displacements.push(MorphDisplacement::zeroed());
+    }
+    [
+        filled(device, "upload.bind_vertices", stored, &bind_vertices),
+        filled(device, "upload.influence_starts", stored, &influence_starts),
+        filled(device, "upload.influences", stored, &influences),
+        filled(device, "upload.morph_starts", stored, &morph_starts),
+        filled(device, "upload.morph_displacements", stored, &displacements),
+    ]
+}
+
+/// Where what each vertex of the rig has starts among that of all meshes, and where the last one's ends. `of` gives a mesh's own starts, none
+/// where its vertices have nothing, and how much there is in all.
+fn starts<'a>(meshes: &'a [Mesh], of: impl Fn(&'a Mesh) -> (&'a [u32], usize)) -> Vec<u32> {
+    let mut joined = Vec::new();
+    let mut before = 0;
+    for mesh in meshes {
+        let (starts, count) = of(mesh);
+        let own = (0..mesh.vertex_count()).map(|vertex| starts.get(vertex).copied());
+        joined.extend(own.map(|start| before + start.unwrap_or(0)));
+        before += count as u32;
+    }
+    joined.push(before);
+    joined
+}
+
+/// One for each vertex of the rig.
+fn of_vertices<'a, T: Copy + 'a>(
+    meshes: &'a [Mesh],
+    of: impl Fn(&'a Mesh) -> Option<&'a [T]>,
+    otherwise: T,
+) -> Vec<T> {
+    let mut joined = Vec::new();
+    for mesh in meshes {
+        match of(mesh) {
+            Some(own) => joined.extend_from_slice(own),
+            None => joined.resize(joined.len() + mesh.vertex_count(), otherwise),
+        }
+    }
+    joined
+}
+
+/// Each stretch with where its indices stand, and all of them.
+fn indices(
+    meshes: &[Mesh],
+    vertices: &[Range<u32>],
+    stretches: &[Stretch],
+) -> (Vec<(Stretch, Range<u32>)>, Vec<u32>) {
+    let mut indices = Vec::new();
+    let placed = stretches.iter().map(|stretch| {
+        let start = indices.len() as u32;
+        let triangles = &meshes[stretch.mesh].draw_triangles()[stretch.triangles.clone()];
+        let first = vertices[stretch.mesh].start;
+        indices.extend(triangles.as_flattened().iter().map(|corner| first + corner));
+        (stretch.clone(), start..indices.len() as u32)
+    });
+    let placed = placed.collect();
+    (placed, indices)
 }

@@ -11,33 +11,25 @@ const WELD: f64 = 1e-6;
 /// Of what a volume is a sum of: less is rounding.
 const LEAST_VOLUME: f64 = 1e-9;
 
-/// Sorts the draw triangles of a closed surface, first those whose front is the outside. How many these are; `None` of a surface that
-/// encloses nothing.
-pub(super) fn sort_by_side(mesh: &mut Mesh) -> Option<usize> {
+/// Of each draw triangle whether its front is the outside; `None` of a surface that encloses nothing. Draw triangles are still in the
+/// order of the file's own.
+pub(super) fn are_outward(mesh: &Mesh) -> Option<Vec<bool>> {
     let welded = weld(mesh)?;
     // The file's own winding hangs together even where a normal says otherwise; some files have no other order than their normals.
     let by_file = fronts_outside(mesh, &welded, &mesh.triangles);
-    let fronts_outside: Vec<bool> = match by_file {
+    match by_file {
         Some(fronts_outside) => {
             let own = mesh.triangles.iter().zip(&mesh.draw_triangles);
             let is_turned = own.map(|(file, draw)| file != draw);
             let fronts = fronts_outside.iter().zip(is_turned);
-            fronts
-                .map(|(front, is_turned)| *front != is_turned)
-                .collect()
+            Some(
+                fronts
+                    .map(|(front, is_turned)| *front != is_turned)
+                    .collect(),
+            )
         }
-        None => fronts_outside(mesh, &welded, &mesh.draw_triangles)?,
-    };
-    let mut sorted = Vec::with_capacity(mesh.draw_triangles.len());
-    for wanted in [true, false] {
-        let own = mesh.draw_triangles.iter().zip(&fronts_outside);
-        sorted.extend(
-            own.filter(|(_, front)| **front == wanted)
-                .map(|(triangle, _)| *triangle),
-        );
+        None => fronts_outside(mesh, &welded, &mesh.draw_triangles),
     }
-    mesh.draw_triangles = sorted;
-    Some(fronts_outside.iter().filter(|front| **front).count())
 }
 
 /// Of each triangle whether it is seen counter-clockwise from outside; `None` of a surface that is not closed.
@@ -209,7 +201,7 @@ fn moves_alike(mesh: &Mesh, a: usize, b: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use crate::limits::Limits;
-    use crate::rig::{BindingDraft, Draft, JointDraft, Limit, Mesh, MeshDraft, RotationOrder};
+    use crate::rig::{BindPose, BindingDraft, Draft, JointDraft, Mesh, MeshDraft};
     use glam::{DAffine3, DVec3, Vec3};
 
     /// A cube about a point, each face with corners of its own, wound outward.
@@ -263,18 +255,13 @@ mod tests {
 
     fn built(mesh: MeshDraft) -> Mesh {
         let joint = |parent| JointDraft {
-            name: String::new(),
             parent,
             offset: DVec3::Y,
-            rotation_order: RotationOrder::Zyx,
-            rest_angles: DVec3::ZERO,
-            rotation_limits: [Limit::NONE; 3],
-            translates: false,
-            bounding_box: None,
+            ..JointDraft::default()
         };
         let binding = |joint| BindingDraft {
             joint: Some(joint),
-            bind_from_joint: DAffine3::IDENTITY,
+            stood: BindPose::BindFromJoint(DAffine3::IDENTITY),
         };
         let draft = Draft {
             joints: vec![joint(None), joint(Some(0))],
@@ -384,7 +371,7 @@ mod tests {
                 None,
             ),
         ] {
-            assert_eq!(built(mesh).outward_count(), wanted, "{what}");
+            assert_eq!(built(mesh).parts[0].sides.outward_count(), wanted, "{what}");
         }
     }
 
@@ -398,7 +385,7 @@ mod tests {
             .take(4)
             .for_each(|normal| *normal = -*normal);
         let mesh = built(mesh);
-        assert_eq!(mesh.outward_count(), Some(10));
+        assert_eq!(mesh.parts[0].sides.outward_count(), Some(10));
         assert_eq!(mesh.draw_triangles()[..10], mesh.triangles()[2..]);
         let turned = [0, 1].map(|index: usize| {
             let [a, b, c] = mesh.triangles()[index];
@@ -416,7 +403,7 @@ mod tests {
             triangles: vec![[0, 1, 2], [0, 2, 3], [2, 1, 0], [3, 2, 0]],
             ..MeshDraft::default()
         };
-        assert_eq!(built(mesh).outward_count(), None);
+        assert_eq!(built(mesh).parts[0].sides.outward_count(), None);
     }
 
     #[test]
@@ -436,6 +423,6 @@ mod tests {
         mesh.influences = (0..count)
             .flat_map(|vertex| [(0, 1.0), (1, f64::from(vertex))])
             .collect();
-        assert_eq!(built(mesh).outward_count(), None);
+        assert_eq!(built(mesh).parts[0].sides.outward_count(), None);
     }
 }

@@ -1,7 +1,7 @@
 //! Meshes: counts and indices checked, weights and normals completed, triangles wound.
 
 use super::{are_usable, finite};
-use crate::rig::{Binding, Influence, Mesh, MeshDraft, RigError, Warnings};
+use crate::rig::{Binding, Influence, Mesh, MeshDraft, Part, PartDraft, RigError, Sides, Warnings};
 use glam::Vec3;
 
 /// Files print weights with four or five decimals; a sum further off than this was not meant to be 1.
@@ -25,6 +25,7 @@ impl MeshBuild<'_> {
         self.check_indices(bindings.len(), material_count)?;
         let (influence_starts, influences) = self.build_influences(&name, bindings);
         let normals = self.build_normals();
+        let parts = self.build_parts();
         let mesh = self.mesh;
         let draw_triangles = mesh
             .triangles
@@ -37,15 +38,15 @@ impl MeshBuild<'_> {
             positions: mesh.positions,
             normals,
             texcoords: mesh.texcoords,
+            colors: mesh.colors,
             influence_starts,
             influences,
             morph_starts: Vec::new(),
             morph_displacements: Vec::new(),
             triangles: mesh.triangles,
             draw_triangles,
-            material: mesh.material,
+            parts,
             // Found once morph targets are there too.
-            outward_count: None,
             followers: Vec::new(),
             morph_reach: Vec::new(),
         })
@@ -65,6 +66,7 @@ impl MeshBuild<'_> {
                 "texture coordinates",
                 self.mesh.texcoords.as_ref().map(Vec::len),
             ),
+            ("vertex colors", self.mesh.colors.as_ref().map(Vec::len)),
             (
                 "lists of influences",
                 Some(self.mesh.influence_counts.len()).filter(|&count| count > 0),
@@ -79,6 +81,16 @@ impl MeshBuild<'_> {
                     found,
                 });
             }
+        }
+        let in_parts: usize = self.mesh.parts.iter().map(|part| part.triangle_count).sum();
+        if !self.mesh.parts.is_empty() && in_parts != self.mesh.triangles.len() {
+            let what = "triangles in its parts, which are not all it has";
+            return Err(RigError::CountsDiffer {
+                mesh: self.index,
+                vertices,
+                what,
+                found: in_parts,
+            });
         }
         if claimed != self.mesh.influences.len() {
             let (what, found) = (
@@ -119,6 +131,14 @@ impl MeshBuild<'_> {
             || format!("a texture coordinate of mesh `{name}`"),
         )?;
         finite(
+            mesh.colors
+                .iter()
+                .flatten()
+                .all(|color| are_usable(&color.to_array())),
+            Some(self.index),
+            || format!("a vertex color of mesh `{name}`"),
+        )?;
+        finite(
             mesh.influences.iter().all(|(_, weight)| weight.is_finite()),
             Some(0),
             || format!("a weight of mesh `{name}`"),
@@ -157,12 +177,41 @@ impl MeshBuild<'_> {
                 );
             }
         }
-        match self.mesh.material {
-            Some(material) if material >= material_count => {
-                out_of_range("material", 0, "material", material, material_count)
+        let mut named = self.mesh.parts.iter().enumerate();
+        match named.find(|(_, part)| part.material.is_some_and(|it| it >= material_count)) {
+            Some((index, part)) => {
+                let material = part.material.unwrap_or_default();
+                out_of_range("part", index, "material", material, material_count)
             }
-            _ => Ok(()),
+            None => Ok(()),
         }
+    }
+
+    fn build_parts(&self) -> Vec<Part> {
+        let whole = PartDraft {
+            triangle_count: self.mesh.triangles.len(),
+            material: None,
+            is_flat: false,
+        };
+        let drafts = match self.mesh.parts.as_slice() {
+            [] => std::slice::from_ref(&whole),
+            parts => parts,
+        };
+        let mut start = 0;
+        let part = |draft: &PartDraft| {
+            let triangles = start..start + draft.triangle_count;
+            start = triangles.end;
+            Part {
+                triangles,
+                material: draft.material,
+                is_flat: draft.is_flat,
+                // Found once influences and morph targets are there too.
+                sides: Sides::Both,
+                center: Vec3::ZERO,
+                follows: 0,
+            }
+        };
+        drafts.iter().map(part).collect()
     }
 
     /// Weights are divided by their sum in f64. A vertex whose weights have no positive sum follows nothing, so it stays where it

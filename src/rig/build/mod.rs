@@ -6,6 +6,7 @@ mod closed;
 mod mesh;
 mod morph;
 mod reach;
+mod sides;
 mod skeleton;
 
 use super::{Dofs, Draft, LARGEST_COORDINATE, Rig, RigError, RigId, names};
@@ -65,9 +66,10 @@ impl Draft {
         }
         let morphs = morph::build(self.morphs, &mut meshes, limits)?;
         for mesh in &mut meshes {
-            mesh.outward_count = closed::sort_by_side(mesh);
+            sides::sort(mesh, &self.materials);
             mesh.followers = reach::followers(mesh);
             mesh.morph_reach = reach::of_morphs(mesh);
+            reach::place_parts(mesh);
         }
         let dofs = Dofs::of(&skeleton, &morphs);
         let clips = clip::build(self.clips, &dofs, limits)?;

@@ -2,7 +2,7 @@
 
 use super::{are_usable, finite, is_usable};
 use crate::limits::Limits;
-use crate::rig::{Mesh, Morph, MorphDisplacement, MorphDraft, RigError, names};
+use crate::rig::{Mesh, Morph, MorphDisplacement, MorphDraft, MorphForm, RigError, names};
 use glam::Vec3;
 
 /// Gives each mesh the displacements of its own targets.
@@ -79,8 +79,8 @@ fn displacements(
     draft: &MorphDraft,
     mesh: &Mesh,
 ) -> Result<Vec<(u32, MorphDisplacement)>, RigError> {
-    let positions = ordered(morph, draft.mesh, &draft.positions, &mesh.positions)?;
-    let normals = ordered(morph, draft.mesh, &draft.normals, &mesh.normals)?;
+    let positions = ordered(morph, draft, &draft.positions, &mesh.positions)?;
+    let normals = ordered(morph, draft, &draft.normals, &mesh.normals)?;
     let (mut positions, mut normals) = (
         positions.into_iter().peekable(),
         normals.into_iter().peekable(),
@@ -108,7 +108,7 @@ fn displacements(
 /// By how much each listed vertex differs from the mesh's own, in the order of vertices.
 fn ordered(
     morph: usize,
-    mesh: usize,
+    draft: &MorphDraft,
     listed: &[(u32, Vec3)],
     own: &[Vec3],
 ) -> Result<Vec<(u32, Vec3)>, RigError> {
@@ -117,7 +117,7 @@ fn ordered(
         let Some(own) = own.get(vertex as usize) else {
             let (what, target) = ("entry of a morph target,", "vertex");
             return Err(RigError::OutOfRange {
-                mesh,
+                mesh: draft.mesh,
                 what,
                 index,
                 target,
@@ -125,7 +125,11 @@ fn ordered(
                 count: own.len(),
             });
         };
-        moved.push((vertex, target - *own));
+        let displacement = match draft.form {
+            MorphForm::Targets => target - *own,
+            MorphForm::Displacements => target,
+        };
+        moved.push((vertex, displacement));
     }
     moved.sort_by_key(|(vertex, _)| *vertex);
     match moved.windows(2).find(|pair| pair[0].0 == pair[1].0) {

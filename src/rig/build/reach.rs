@@ -1,6 +1,7 @@
 //! How far the vertices of a mesh can go: what is moved by each binding and by each morph target, as boxes and lengths.
 
 use crate::rig::{Followers, Mesh};
+use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// By binding.
@@ -33,4 +34,26 @@ pub(super) fn of_morphs(mesh: &Mesh) -> Vec<(usize, f32)> {
         *furthest = furthest.max(moved.position.length());
     }
     found.into_iter().collect()
+}
+
+/// Finds where each part is, and what it follows most.
+pub(super) fn place_parts(mesh: &mut Mesh) {
+    let mut parts = std::mem::take(&mut mesh.parts);
+    for part in &mut parts {
+        let corners = mesh.triangles[part.triangles.clone()].as_flattened();
+        let mut sum = DVec3::ZERO;
+        let mut weights: BTreeMap<u32, f64> = BTreeMap::new();
+        for &corner in corners {
+            sum += mesh.positions[corner as usize].as_dvec3();
+            for influence in mesh.influences_of(corner as usize) {
+                *weights.entry(influence.binding).or_default() += f64::from(influence.weight);
+            }
+        }
+        part.center = (sum / corners.len().max(1) as f64).as_vec3();
+        let heaviest = weights
+            .into_iter()
+            .reduce(|a, b| if b.1 > a.1 { b } else { a });
+        part.follows = heaviest.map_or(0, |(binding, _)| binding);
+    }
+    mesh.parts = parts;
 }

@@ -2,8 +2,10 @@
 
 use super::{finite, is_usable};
 use crate::rig::{
-    Axis, Binding, BindingDraft, Joint, JointDraft, Limit, RigError, Skeleton, names,
+    Axis, BindPose, Binding, BindingDraft, Joint, JointDraft, Limit, RigError, Rotation, Skeleton,
+    names,
 };
+use glam::DVec3;
 
 pub(super) fn build(drafts: Vec<JointDraft>) -> Result<Skeleton, RigError> {
     let unique_names = names::unique("joint", drafts.iter().map(|joint| joint.name.as_str()));
@@ -16,7 +18,6 @@ pub(super) fn build(drafts: Vec<JointDraft>) -> Result<Skeleton, RigError> {
                     parent,
                 });
             }
-            None if index > 0 => return Err(RigError::SecondRoot { joint: index }),
             _ => {}
         }
         let corners_finite = draft
@@ -24,12 +25,12 @@ pub(super) fn build(drafts: Vec<JointDraft>) -> Result<Skeleton, RigError> {
             .is_none_or(|corners| corners.iter().all(|corner| is_usable(&corner.to_array())));
         finite(
             is_usable(&draft.offset.to_array())
-                && is_usable(&draft.rest_angles.to_array())
+                && is_usable(&draft.rest_scale.to_array())
+                && is_usable(&numbers_of(draft.rest_rotation))
                 && corners_finite,
             None,
-            || format!("the offset, pose or box of joint `{name}`"),
+            || format!("the offset, pose, scale or box of joint `{name}`"),
         )?;
-        let mut rest_angles = draft.rest_angles;
         for axis in Axis::ALL {
             let Limit { min, max } = draft.rotation_limits[axis.index()];
             finite(!min.is_nan() && !max.is_nan(), None, || {
@@ -42,17 +43,24 @@ pub(super) fn build(drafts: Vec<JointDraft>) -> Result<Skeleton, RigError> {
                     max,
                 });
             }
-            rest_angles[axis.index()] =
-                draft.rotation_limits[axis.index()].clamp(rest_angles[axis.index()]);
         }
+        let rest_rotation = match draft.rest_rotation {
+            Rotation::Angles(angles) => {
+                let clamped = |axis: usize| draft.rotation_limits[axis].clamp(angles[axis]);
+                Rotation::Angles(DVec3::new(clamped(0), clamped(1), clamped(2)))
+            }
+            quaternion @ Rotation::Quaternion(_) => quaternion,
+        };
         joints.push(Joint {
             name,
             parent: draft.parent,
             offset: draft.offset,
             rotation_order: draft.rotation_order,
-            rest_angles,
+            rest_rotation,
+            rest_scale: draft.rest_scale,
             rotation_limits: draft.rotation_limits,
             translates: draft.translates,
+            scales: draft.scales,
             bounding_box: draft.bounding_box.map(|[a, b]| [a.min(b), a.max(b)]),
         });
     }
@@ -75,12 +83,14 @@ pub(super) fn build_bindings(
                 count: joint_count,
             });
         }
-        finite(
-            is_usable(&draft.bind_from_joint.to_cols_array()),
-            Some(0),
-            || format!("the matrix of binding {index}"),
-        )?;
-        let joint_from_bind = draft.bind_from_joint.inverse();
+        let (BindPose::BindFromJoint(given) | BindPose::JointFromBind(given)) = draft.stood;
+        finite(is_usable(&given.to_cols_array()), Some(0), || {
+            format!("the matrix of binding {index}")
+        })?;
+        let joint_from_bind = match draft.stood {
+            BindPose::BindFromJoint(bind_from_joint) => bind_from_joint.inverse(),
+            BindPose::JointFromBind(joint_from_bind) => joint_from_bind,
+        };
         // A nearly singular matrix has an inverse that is only rounding error.
         if !is_usable(&joint_from_bind.to_cols_array()) {
             return Err(RigError::SingularBinding { binding: index });
@@ -91,4 +101,11 @@ pub(super) fn build_bindings(
         })
     };
     drafts.iter().enumerate().map(build).collect()
+}
+
+fn numbers_of(rotation: Rotation) -> [f64; 4] {
+    match rotation {
+        Rotation::Angles(angles) => angles.extend(0.0).to_array(),
+        Rotation::Quaternion(quaternion) => quaternion.to_array(),
+    }
 }

@@ -4,7 +4,9 @@ use super::{Moves, read};
 use crate::formats::cse169::skel;
 use crate::formats::lexer::Lexer;
 use crate::limits::{LimitExceeded, Limits};
-use crate::rig::{Axis, ClipDraft, DofKind, Extrapolation, JointDraft, Warnings};
+use crate::rig::{
+    Axis, ChannelDraft, ClipDraft, Curve, DofKind, Extrapolation, JointDraft, Warnings,
+};
 
 /// Three channels for the root's place, three for the angles of each joint.
 const TWO_JOINTS: &str = "joint a { joint b { } }";
@@ -46,7 +48,7 @@ fn with_keys(keys: &str) -> String {
 fn slopes(keys: &str) -> Vec<[f64; 2]> {
     let (clip, warnings) = clip(&with_keys(keys)).expect(keys);
     assert_eq!(warnings, [""; 0], "{keys}");
-    let keys = clip.channels[0].curve.keys.iter();
+    let keys = curve(&clip, 0).keys.iter();
     keys.map(|key| [key.slope_in, key.slope_out]).collect()
 }
 
@@ -79,12 +81,12 @@ fn channels_set_the_roots_place_and_then_each_joints_angles() {
     let (clip, warnings) = clip_of(TWO_JOINTS, text).expect("it is an animation");
     assert_eq!(warnings, [""; 0]);
     assert_eq!(clip.range, [-1.0, 4.5]);
-    let targets: Vec<_> = clip.channels.iter().map(|channel| channel.target).collect();
+    let targets: Vec<_> = clip.channels.iter().map(target).collect();
     let place = Axis::ALL.map(|axis| DofKind::Translation { joint: 0, axis });
     let angles = [0, 1].map(|joint| Axis::ALL.map(|axis| DofKind::Rotation { joint, axis }));
     assert_eq!(targets, [&place[..], angles.as_flattened()].concat());
     let modes = |channel: usize| {
-        let curve = &clip.channels[channel].curve;
+        let curve = curve(&clip, channel);
         (curve.before, curve.after)
     };
     use Extrapolation::{Bounce, Constant, Cycle, CycleOffset, Linear};
@@ -92,7 +94,7 @@ fn channels_set_the_roots_place_and_then_each_joints_angles() {
     assert_eq!(modes(1), (Constant, Constant));
     assert_eq!(modes(2), (Cycle, CycleOffset));
     assert_eq!(modes(3), (Bounce, Bounce));
-    let value = |channel: usize| clip.channels[channel].curve.at(0.0);
+    let value = |channel: usize| curve(&clip, channel).at(0.0);
     assert_eq!((value(0), value(4), value(8)), (10.0, 14.0, 18.0));
 }
 
@@ -135,7 +137,7 @@ fn what_is_odd_in_an_animation_is_worked_with() {
     ] {
         let text = sound.replace(piece, by);
         let (clip, warnings) = clip(&text).expect(&text);
-        assert_eq!(clip.channels[0].curve.keys.len(), 1, "{text}");
+        assert_eq!(curve(&clip, 0).keys.len(), 1, "{text}");
         assert_eq!(warnings, [warning], "{text}");
     }
     let (_, warnings) = clip(&format!("{sound} }}")).expect("it goes on after its end");
@@ -337,4 +339,18 @@ fn keys_of_all_channels_are_held_to_their_limit() {
         asked: 3,
     };
     assert!(matches!(found, Err(crate::formats::LoadError::Limit(exceeded)) if exceeded == wanted));
+}
+
+fn curve(clip: &ClipDraft, channel: usize) -> &Curve<f64> {
+    match &clip.channels[channel] {
+        ChannelDraft::Dof { curve, .. } => curve,
+        ChannelDraft::Rotation { .. } => panic!("every channel sets a DOF"),
+    }
+}
+
+fn target(channel: &ChannelDraft) -> DofKind {
+    match channel {
+        ChannelDraft::Dof { target, .. } => *target,
+        ChannelDraft::Rotation { .. } => panic!("every channel sets a DOF"),
+    }
 }

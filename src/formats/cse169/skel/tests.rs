@@ -3,7 +3,7 @@
 use super::read;
 use crate::formats::lexer::Lexer;
 use crate::limits::Limits;
-use crate::rig::{JointDraft, Limit, Warnings};
+use crate::rig::{JointDraft, Limit, Rotation, Warnings};
 use glam::DVec3;
 
 fn skel(text: &str) -> Result<(Vec<JointDraft>, Vec<String>), String> {
@@ -53,7 +53,10 @@ fn properties_come_in_any_order_and_have_defaults() {
     let text =
         "joint a { pose .5 -1 +2e0 rotylimit -1 1 balljoint b { } boxmax 1 1 1 rotxlimit 0 0 }";
     let (joints, _) = skel(text).expect("it is a skeleton");
-    assert_eq!(joints[0].rest_angles, DVec3::new(0.5, -1.0, 2.0));
+    assert_eq!(
+        joints[0].rest_rotation,
+        Rotation::Angles(DVec3::new(0.5, -1.0, 2.0))
+    );
     let limits = [
         Limit { min: 0.0, max: 0.0 },
         Limit {

@@ -1,0 +1,272 @@
+//! Animations as clips. Never lives here: what a pose makes of them.
+
+use super::accessors::{Accessors, Wanted};
+use super::nodes::Nodes;
+use crate::formats::error::LoadError;
+use crate::limits::Limits;
+use crate::rig::{
+    Axis, ChannelDraft, ClipDraft, Curve, DofKind, Extrapolation, Interpolation, JointDraft, Key,
+    Warnings,
+};
+use glam::DQuat;
+use gltf_json::Animation;
+use gltf_json::accessor::ComponentType::{F32, I8, I16, U8, U16};
+use gltf_json::accessor::Type;
+use gltf_json::animation::{Channel, Interpolation as InFile, Property};
+
+const TIMES: Wanted = Wanted {
+    types: &[Type::Scalar],
+    components: &[F32],
+    expected: "SCALAR of F32",
+    normalizes: false,
+};
+const VECTORS: Wanted = Wanted {
+    types: &[Type::Vec3],
+    components: &[F32],
+    expected: "VEC3 of F32",
+    normalizes: false,
+};
+const ROTATIONS: Wanted = Wanted {
+    types: &[Type::Vec4],
+    components: &[F32, I8, U8, I16, U16],
+    expected: "VEC4 of F32, or of normalized integers",
+    normalizes: true,
+};
+const WEIGHTS: Wanted = Wanted {
+    types: &[Type::Scalar],
+    components: &[F32, I8, U8, I16, U16],
+    expected: "SCALAR of F32, or of normalized integers",
+    normalizes: true,
+};
+
+/// What animations are read with.
+pub(super) struct AnimationReader<'a> {
+    pub accessors: Accessors<'a>,
+    pub nodes: &'a Nodes,
+    pub limits: &'a Limits,
+    /// By node, which morph targets its mesh has in the draft: the first, and how many.
+    pub morphs_of: &'a [Option<(usize, usize)>],
+    /// Of all animations so far.
+    pub keys: usize,
+}
+
+/// The numbers of a channel: at each time as many as it sets, or three times that with slopes.
+struct Sampled {
+    times: Vec<f64>,
+    values: Vec<f32>,
+    width: usize,
+    interpolation: Interpolation,
+}
+
+impl AnimationReader<'_> {
+    pub fn read(
+        &mut self,
+        index: usize,
+        animation: &Animation,
+        warnings: &mut Warnings,
+    ) -> Result<ClipDraft, LoadError> {
+        let faults = self.accessors.faults;
+        let mut channels = Vec::new();
+        let mut range: Option<[f64; 2]> = None;
+        for (place, channel) in animation.channels.iter().enumerate() {
+            let path = format!("animations[{index}].channels[{place}]");
+            let node = channel.target.node;
+            let node_path = format!("{path}.target.node");
+            faults.get(&self.accessors.root.nodes, "nodes", node, &node_path)?;
+            let paths = "translation, rotation, scale or weights";
+            let property =
+                faults.valid(channel.target.path, &format!("{path}.target.path"), paths)?;
+            let Some((sampled, targets)) =
+                self.sampled(index, animation, channel, property, &path)?
+            else {
+                continue;
+            };
+            if let (Some(&first), Some(&last)) = (sampled.times.first(), sampled.times.last()) {
+                let [start, end] = range.unwrap_or([first, last]);
+                range = Some([start.min(first), end.max(last)]);
+            }
+            // What moves nothing that is there moves nothing.
+            let Some(joint) = self.nodes.joint_of[node.value()] else {
+                continue;
+            };
+            self.keys += sampled.times.len() * targets.len().max(1);
+            self.limits.keys(self.keys)?;
+            if property == Property::Rotation {
+                let curve = sampled.rotations();
+                channels.push(ChannelDraft::Rotation { joint, curve });
+                continue;
+            }
+            let of_joint = &self.nodes.joints[joint];
+            for (component, target) in targets.into_iter().enumerate() {
+                let rest = offset_of(target, of_joint);
+                let curve = sampled.curve(component, rest);
+                channels.push(ChannelDraft::Dof { target, curve });
+            }
+        }
+        Ok(ClipDraft {
+            name: faults.name(
+                animation.name.as_deref(),
+                &format!("animations[{index}]"),
+                warnings,
+            ),
+            range: range.unwrap_or_default(),
+            channels,
+        })
+    }
+
+    /// The keys of a channel, and the DOFs that its components set; `None` where its node has nothing of the kind.
+    fn sampled(
+        &self,
+        index: usize,
+        animation: &Animation,
+        channel: &Channel,
+        property: Property,
+        path: &str,
+    ) -> Result<Option<(Sampled, Vec<DofKind>)>, LoadError> {
+        let faults = self.accessors.faults;
+        let node = channel.target.node.value();
+        let joint = self.nodes.joint_of[node].unwrap_or_default();
+        let (wanted, targets): (_, Vec<DofKind>) = match property {
+            Property::Translation => {
+                let target = |axis| DofKind::Translation { joint, axis };
+                (VECTORS, Axis::ALL.map(target).to_vec())
+            }
+            Property::Scale => {
+                let target = |axis| DofKind::Scale { joint, axis };
+                (VECTORS, Axis::ALL.map(target).to_vec())
+            }
+            Property::Rotation => (ROTATIONS, Vec::new()),
+            Property::MorphTargetWeights => match self.morphs_of[node] {
+                Some((first, count)) if count > 0 => {
+                    let target = |morph| DofKind::Morph { morph };
+                    (WEIGHTS, (first..first + count).map(target).collect())
+                }
+                _ if self.nodes.is_in_scene[node] => {
+                    let expected = "a node whose mesh has morph targets";
+                    return Err(faults.load(&format!("{path}.target"), expected, "another"));
+                }
+                _ => return Ok(None),
+            },
+        };
+        let sampler_path = format!("animations[{index}].samplers[{}]", channel.sampler.value());
+        let samplers = &animation.samplers;
+        let sampler = faults.get(
+            samplers,
+            "samplers",
+            channel.sampler,
+            &format!("{path}.sampler"),
+        )?;
+        let words = "LINEAR, STEP or CUBICSPLINE";
+        let interpolation_path = format!("{sampler_path}.interpolation");
+        let interpolation = match faults.valid(sampler.interpolation, &interpolation_path, words)? {
+            InFile::Step => Interpolation::Step,
+            InFile::Linear => Interpolation::Linear,
+            InFile::CubicSpline => Interpolation::Cubic,
+        };
+        let input = format!("{sampler_path}.input");
+        self.limits
+            .keys(self.keys + self.accessors.count(sampler.input, &input)?)?;
+        let (times, _) = self.accessors.floats(sampler.input, &input, TIMES)?;
+        if let Some(place) = times.windows(2).position(|pair| pair[0] >= pair[1]) {
+            let path = format!("{input}, key {}", place + 1);
+            let expected = format!("a time after {}", times[place]);
+            return Err(faults.load(&path, expected, times[place + 1].to_string()));
+        }
+        let output = format!("{sampler_path}.output");
+        let (values, width) = self.accessors.floats(sampler.output, &output, wanted)?;
+        let per_key = match interpolation {
+            Interpolation::Cubic => 3,
+            Interpolation::Linear | Interpolation::Step => 1,
+        };
+        let of_element = if property == Property::MorphTargetWeights {
+            targets.len()
+        } else {
+            1
+        };
+        let expected = times.len() * per_key * of_element;
+        let found = values.len() / width;
+        if found != expected {
+            let expected = format!("{expected} elements for {} keys", times.len());
+            return Err(faults.load(&output, expected, found.to_string()));
+        }
+        let sampled = Sampled {
+            times: times.into_iter().map(f64::from).collect(),
+            values,
+            width: width * of_element,
+            interpolation,
+        };
+        Ok(Some((sampled, targets)))
+    }
+}
+
+/// What a DOF is less than what the file has: translations are told from rest.
+fn offset_of(target: DofKind, joint: &JointDraft) -> f64 {
+    match target {
+        DofKind::Translation { axis, .. } => joint.offset[axis.index()],
+        DofKind::Rotation { .. } | DofKind::Scale { .. } | DofKind::Morph { .. } => 0.0,
+    }
+}
+
+impl Sampled {
+    /// A component of the value at a key, and of the slopes into and out of it.
+    fn at(&self, key: usize, component: usize) -> [f64; 3] {
+        let number = |place: usize| f64::from(self.values[place * self.width + component]);
+        match self.interpolation {
+            // The file has them in this order.
+            Interpolation::Cubic => {
+                let [slope_in, value, slope_out] = [0, 1, 2].map(|place| number(3 * key + place));
+                [value, slope_in, slope_out]
+            }
+            Interpolation::Linear | Interpolation::Step => [number(key), 0.0, 0.0],
+        }
+    }
+
+    fn curve(&self, component: usize, offset: f64) -> Curve<f64> {
+        let key = |(key, &time): (usize, &f64)| {
+            let [value, slope_in, slope_out] = self.at(key, component);
+            Key {
+                time,
+                value: value - offset,
+                slope_in,
+                slope_out,
+            }
+        };
+        held(
+            self.times.iter().enumerate().map(key).collect(),
+            self.interpolation,
+        )
+    }
+
+    fn rotations(&self) -> Curve<DQuat> {
+        let key = |(key, &time): (usize, &f64)| {
+            let of_components = [0, 1, 2, 3].map(|component| self.at(key, component));
+            let quaternion = |of: usize| DQuat::from_array(of_components.map(|it| it[of]));
+            let given = quaternion(0);
+            // A slerp is one only between unit quaternions; a spline is made unit at its end.
+            let value = match self.interpolation {
+                Interpolation::Linear if given.length() > 0.0 => given.normalize(),
+                _ => given,
+            };
+            Key {
+                time,
+                value,
+                slope_in: quaternion(1),
+                slope_out: quaternion(2),
+            }
+        };
+        held(
+            self.times.iter().enumerate().map(key).collect(),
+            self.interpolation,
+        )
+    }
+}
+
+/// Before the first key and after the last one their values hold.
+fn held<V>(keys: Vec<Key<V>>, interpolation: Interpolation) -> Curve<V> {
+    Curve {
+        keys,
+        interpolation,
+        before: Extrapolation::Constant,
+        after: Extrapolation::Constant,
+    }
+}

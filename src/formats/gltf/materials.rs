@@ -1,0 +1,268 @@
+//! Materials brought to what Blinn-Phong knows. Never lives here: meshes, and decoding a picture.
+//!
+//! # Formula
+//! Of a metallic and rough material with base color `c`, metalness `m` and roughness `r` (each times the mean of its texture, where it has one):
+//! - `diffuse = c · (1 − m / 2)`: half of a metal's color stands in for the surroundings that it would mirror, of which there are none.
+//! - `shininess = 2 / α² − 2` with `α = max(r, 0.05)²`, at most 1000: the exponent whose lobe is as wide as that of a GGX of that `α`.
+//! - `specular = min(F · shininess / 8, 1)`, where `F = mix(0.04, c, m)` is what is mirrored straight on, and the factor keeps what a lobe scatters
+//!   in all about the same however narrow it is; a surface rough throughout has none, for its lobe would be another diffuse light.
+//!
+//! Of one with specular and glossiness: `diffuse` is its own, `F` its specular color, and `r = 1 − glossiness`.
+
+use super::accessors::Accessors;
+use super::textures::{Named, Textures};
+use crate::formats::error::LoadError;
+use crate::formats::files::{Files, Gathered};
+use crate::formats::pictures::Alpha;
+use crate::limits::Limits;
+use crate::rig::{Draft, Encoding, Highlight, Material, NormalMap, Opacity, TexturePlace};
+use glam::{Vec3, Vec4};
+use gltf_json::Index;
+use gltf_json::material::AlphaMode;
+
+/// `F` of what is no metal.
+const DIELECTRIC: f32 = 0.04;
+const LEAST_ROUGHNESS: f32 = 0.05;
+const MOST_SHININESS: f32 = 1000.0;
+
+/// Where materials are read from.
+pub(super) struct Materials<'a> {
+    textures: Textures<'a>,
+    /// By material of the draft: the set of texture coordinates that its textures lie on, where it has any.
+    sets: Vec<Option<u32>>,
+    /// What a primitive without a material is made of.
+    unnamed: Option<usize>,
+}
+
+impl<'a> Materials<'a> {
+    /// Adds all materials of the file to the draft, in its order.
+    pub fn read(
+        accessors: Accessors<'a>,
+        from: &'a Gathered,
+        files: &mut Files<'_>,
+        limits: &'a Limits,
+        draft: &mut Draft,
+    ) -> Result<Self, LoadError> {
+        let mut materials = Self {
+            textures: Textures::new(accessors, from, limits),
+            sets: Vec::new(),
+            unnamed: None,
+        };
+        for (index, material) in accessors.root.materials.iter().enumerate() {
+            let path = format!("materials[{index}]");
+            materials.add(material, &path, files, draft)?;
+        }
+        Ok(materials)
+    }
+
+    /// Where in the draft a primitive's material is.
+    pub fn index(
+        &mut self,
+        material: Option<Index<gltf_json::Material>>,
+        path: &str,
+        draft: &mut Draft,
+    ) -> Result<usize, LoadError> {
+        let Some(material) = material else {
+            return Ok(*self.unnamed.get_or_insert_with(|| {
+                draft.materials.push(Material {
+                    is_single_sided: true,
+                    ..surface(String::new(), Vec4::ONE, 1.0, 1.0)
+                });
+                self.sets.push(None);
+                draft.materials.len() - 1
+            }));
+        };
+        let Accessors { faults, root, .. } = self.textures.accessors;
+        let path = format!("{path}.material");
+        faults.get(&root.materials, "materials", material, &path)?;
+        Ok(material.value())
+    }
+
+    pub fn is_textured(&self, material: usize) -> bool {
+        self.sets[material].is_some()
+    }
+
+    /// Which texture coordinates its textures lie on.
+    pub fn texcoord_set(&self, material: usize) -> u32 {
+        self.sets[material].unwrap_or_default()
+    }
+
+    fn add(
+        &mut self,
+        material: &gltf_json::Material,
+        path: &str,
+        files: &mut Files<'_>,
+        draft: &mut Draft,
+    ) -> Result<(), LoadError> {
+        let faults = self.textures.accessors.faults;
+        let modes = "OPAQUE, MASK or BLEND";
+        let mode = faults.valid(material.alpha_mode, &format!("{path}.alphaMode"), modes)?;
+        let cutoff = material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
+        let opacity = match mode {
+            AlphaMode::Opaque => Opacity::Opaque,
+            AlphaMode::Mask => Opacity::Mask(cutoff),
+            AlphaMode::Blend => Opacity::Blend,
+        };
+        let alpha = match opacity {
+            Opacity::Opaque => Alpha::Drop,
+            Opacity::Mask(_) | Opacity::Blend => Alpha::Keep,
+        };
+        let rough = &material.pbr_metallic_roughness;
+        let extensions = material.extensions.as_ref();
+        let glossy = extensions.and_then(|it| it.pbr_specular_glossiness.as_ref());
+        let name = faults.name(material.name.as_deref(), path, &mut draft.warnings);
+        let mut made = match glossy {
+            Some(glossy) => {
+                let mirrored = Vec3::from_array(glossy.specular_factor.0);
+                let roughness = 1.0 - glossy.glossiness_factor.0;
+                Material {
+                    color: Some(Vec4::from_array(glossy.diffuse_factor.0)),
+                    highlight: Some(highlight(mirrored, roughness)),
+                    ..Material::named(name)
+                }
+            }
+            None => {
+                let color = Vec4::from_array(rough.base_color_factor.0);
+                let [metalness, roughness] = self.mean_of(rough, path, files, draft)?;
+                let metalness = metalness * rough.metallic_factor.0;
+                let roughness = roughness * rough.roughness_factor.0;
+                surface(name, color, metalness, roughness)
+            }
+        };
+        let of_color = match glossy {
+            Some(glossy) => glossy.diffuse_texture.as_ref(),
+            None => rough.base_color_texture.as_ref(),
+        };
+        let normals = material.normal_texture.as_ref();
+        let normal_scale = normals.map_or(1.0, |normals| normals.scale);
+        let named = [
+            (
+                of_color.map(Named::color),
+                "baseColorTexture",
+                Encoding::Srgb,
+                alpha,
+            ),
+            (
+                material.emissive_texture.as_ref().map(Named::color),
+                "emissiveTexture",
+                Encoding::Srgb,
+                Alpha::Drop,
+            ),
+            (
+                normals.map(Named::normals),
+                "normalTexture",
+                Encoding::Linear,
+                Alpha::Drop,
+            ),
+        ];
+        let set = named
+            .iter()
+            .find_map(|(named, ..)| Some(named.as_ref()?.set));
+        let mut places = Vec::with_capacity(named.len());
+        for (named, role, encoding, alpha) in named {
+            let path = format!("{path}.{role}");
+            let named = named.filter(|named| {
+                let is_laid = Some(named.set) == set;
+                if !is_laid {
+                    let sentence = format!("{path} lies on TEXCOORD_{} and is left out: the material's first texture lies on another", named.set);
+                    draft.warnings.push(|| faults.warning(&sentence));
+                }
+                is_laid
+            });
+            places.push(match named {
+                None => None,
+                Some(named) => self.textures.place(
+                    &named,
+                    (encoding, alpha),
+                    &path,
+                    files,
+                    &mut draft.warnings,
+                )?,
+            });
+        }
+        let [of_color, of_emission, of_normals] = <[_; 3]>::try_from(places).unwrap_or_default();
+        made.texture = of_color;
+        made.emissive = Vec3::from_array(material.emissive_factor.0);
+        made.emissive_texture = of_emission;
+        made.normal_map = of_normals.map(|place| NormalMap {
+            place,
+            scale: normal_scale,
+        });
+        made.opacity = opacity;
+        made.is_single_sided = !material.double_sided;
+        made.is_unlit = extensions.is_some_and(|it| it.unlit.is_some());
+        let numbers = made.color.unwrap_or_default().to_array();
+        let more = [
+            made.emissive.x,
+            made.emissive.y,
+            made.emissive.z,
+            cutoff,
+            normal_scale,
+        ];
+        if !numbers
+            .iter()
+            .chain(&more)
+            .all(|number| number.abs() <= 1e9)
+        {
+            return Err(faults.load(path, "factors that are finite", "others"));
+        }
+        if made.is_unlit && glossy.is_none() {
+            // Nothing is mirrored, so nothing has to stand in for it.
+            made.color = Some(Vec4::from_array(rough.base_color_factor.0));
+        }
+        draft.materials.push(made);
+        self.sets.push(set);
+        Ok(())
+    }
+
+    /// Of metalness and roughness, the means over their texture.
+    fn mean_of(
+        &mut self,
+        rough: &gltf_json::material::PbrMetallicRoughness,
+        path: &str,
+        files: &mut Files<'_>,
+        draft: &mut Draft,
+    ) -> Result<[f32; 2], LoadError> {
+        let Some(info) = &rough.metallic_roughness_texture else {
+            return Ok([1.0, 1.0]);
+        };
+        let path = format!("{path}.metallicRoughnessTexture");
+        let decoding = (Encoding::Linear, Alpha::Drop);
+        let place = self.textures.place(
+            &Named::color(info),
+            decoding,
+            &path,
+            files,
+            &mut draft.warnings,
+        )?;
+        let Some(TexturePlace { texture, .. }) = place else {
+            return Ok([1.0, 1.0]);
+        };
+        // The smallest level is the mean of all.
+        let mean = texture.levels().last().map(|level| level.texels[0]);
+        let [_, roughness, metalness, _] = mean.unwrap_or([255; 4]);
+        Ok([metalness, roughness].map(|it| f32::from(it) / 255.0))
+    }
+}
+
+fn surface(name: String, color: Vec4, metalness: f32, roughness: f32) -> Material {
+    let metalness = metalness.clamp(0.0, 1.0);
+    let rgb = color.truncate();
+    let mirrored = Vec3::splat(DIELECTRIC).lerp(rgb, metalness);
+    Material {
+        color: Some((rgb * (1.0 - metalness / 2.0)).extend(color.w)),
+        highlight: Some(highlight(mirrored, roughness)),
+        ..Material::named(name)
+    }
+}
+
+fn highlight(mirrored: Vec3, roughness: f32) -> Highlight {
+    let roughness = roughness.clamp(LEAST_ROUGHNESS, 1.0);
+    let alpha = roughness * roughness;
+    let shininess = (2.0 / (alpha * alpha) - 2.0).min(MOST_SHININESS);
+    let specular = mirrored * (shininess / 8.0);
+    Highlight {
+        specular: specular.clamp(Vec3::ZERO, Vec3::ONE),
+        shininess,
+    }
+}

@@ -1,0 +1,329 @@
+//! Meshes: each node that has one draws it by itself, its primitives one after another. Never lives here: materials.
+
+use super::accessors::Accessors;
+use super::attributes::{COLORS, INDICES, TEXCOORDS, VECTORS, VertexReader};
+use super::influences::{self, Bound};
+use super::materials::Materials;
+use super::nodes::Nodes;
+use super::skins::Skins;
+use crate::formats::error::LoadError;
+use crate::limits::Limits;
+use crate::rig::{Draft, MeshDraft, MorphDraft, MorphForm, PartDraft};
+use glam::{Vec2, Vec3, Vec4};
+use gltf_json::accessor::Accessor;
+use gltf_json::mesh::{Mode, Primitive, Semantic};
+use gltf_json::validation::Checked;
+use gltf_json::{Index, Mesh};
+
+/// What meshes are read with.
+pub(super) struct MeshReader<'a, 'm> {
+    pub accessors: Accessors<'a>,
+    pub nodes: &'a Nodes,
+    pub limits: &'a Limits,
+    pub skins: Skins<'a>,
+    pub materials: &'m mut Materials<'a>,
+    pub draft: &'m mut Draft,
+    /// Of all meshes so far.
+    pub totals: Totals,
+    /// By node, which morph targets its mesh has in the draft: the first, and how many.
+    pub morphs_of: Vec<Option<(usize, usize)>>,
+}
+
+/// How much there is of what has a ceiling.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Totals {
+    vertices: usize,
+    triangles: usize,
+    influences: usize,
+    displacements: usize,
+}
+
+impl MeshReader<'_, '_> {
+    /// Adds the mesh of every node of the scene that has one, in the order of joints.
+    pub fn read(&mut self) -> Result<(), LoadError> {
+        let root = self.accessors.root;
+        for (joint, &index) in self.nodes.node_of.iter().enumerate() {
+            let node = &root.nodes[index];
+            let Some(mesh) = node.mesh.filter(|_| self.nodes.is_in_scene[index]) else {
+                continue;
+            };
+            let path = format!("nodes[{index}].mesh");
+            let faults = self.accessors.faults;
+            let of_node = faults.get(&root.meshes, "meshes", mesh, &path)?;
+            let path = format!("meshes[{}]", mesh.value());
+            let bound = match node.skin {
+                Some(skin) => Bound::Skin(self.skins.bindings(skin, self.nodes, self.draft)?),
+                None => Bound::Rigid(self.skins.rigid(joint, self.draft)),
+            };
+            let name = node.name.as_ref().or(of_node.name.as_ref());
+            let name = name.map(String::as_str);
+            let mut draft = MeshDraft {
+                name: faults.name(name, &path, &mut self.draft.warnings),
+                ..MeshDraft::default()
+            };
+            let first_morph = self.draft.morphs.len();
+            self.add_morphs(of_node, &path, node.weights.as_deref())?;
+            for (place, primitive) in of_node.primitives.iter().enumerate() {
+                let path = format!("{path}.primitives[{place}]");
+                self.add_primitive(&mut draft, primitive, &path, &bound, first_morph)?;
+            }
+            if draft.positions.is_empty() {
+                // Nothing of it is drawn, and nothing of it can be moved.
+                self.draft.morphs.truncate(first_morph);
+                continue;
+            }
+            self.morphs_of[index] = Some((first_morph, self.draft.morphs.len() - first_morph));
+            self.draft.meshes.push(draft);
+        }
+        Ok(())
+    }
+
+    /// The morph targets of a mesh, still without what they move.
+    fn add_morphs(
+        &mut self,
+        mesh: &Mesh,
+        path: &str,
+        of_node: Option<&[f32]>,
+    ) -> Result<(), LoadError> {
+        let faults = self.accessors.faults;
+        let count = |primitive: &Primitive| primitive.targets.as_ref().map_or(0, Vec::len);
+        let targets = mesh.primitives.first().map_or(0, count);
+        if let Some(other) = mesh.primitives.iter().find(|it| count(it) != targets) {
+            let expected = format!("{targets} morph targets in every primitive");
+            return Err(faults.load(path, expected, count(other).to_string()));
+        }
+        let weights = of_node.or(mesh.weights.as_deref()).unwrap_or_default();
+        if !weights.is_empty() && weights.len() != targets {
+            let expected = format!("{targets} weights, one for each morph target");
+            return Err(faults.load(path, expected, weights.len().to_string()));
+        }
+        self.limits
+            .morph_targets(self.draft.morphs.len() + targets)?;
+        if targets == 0 {
+            return Ok(());
+        }
+        let names = target_names(mesh);
+        for target in 0..targets {
+            self.draft.morphs.push(MorphDraft {
+                name: faults.name(
+                    names.get(target).map(String::as_str),
+                    path,
+                    &mut self.draft.warnings,
+                ),
+                mesh: self.draft.meshes.len(),
+                form: MorphForm::Displacements,
+                rest: weights.get(target).copied().map_or(0.0, f64::from),
+                ..MorphDraft::default()
+            });
+        }
+        Ok(())
+    }
+
+    fn add_primitive(
+        &mut self,
+        mesh: &mut MeshDraft,
+        primitive: &Primitive,
+        path: &str,
+        bound: &Bound,
+        first_morph: usize,
+    ) -> Result<(), LoadError> {
+        let (faults, accessors) = (self.accessors.faults, self.accessors);
+        let modes = "a mode of the specification";
+        let mode = faults.valid(primitive.mode, &format!("{path}.mode"), modes)?;
+        let attribute =
+            |semantic: Semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
+        let skipped = match (mode, attribute(Semantic::Positions)) {
+            (Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip, _) => {
+                "is not made of triangles"
+            }
+            (_, None) => "has no positions",
+            (_, Some(_)) => "",
+        };
+        let Some(positions) = attribute(Semantic::Positions).filter(|_| skipped.is_empty()) else {
+            let warning = || faults.warning(&format!("{path} {skipped} and is left out"));
+            self.draft.warnings.push(warning);
+            return Ok(());
+        };
+        let path_of = |name: &str| format!("{path}.attributes.{name}");
+        let first = mesh.positions.len();
+        let added = accessors.count(positions, &path_of("POSITION"))?;
+        self.totals.vertices = self.totals.vertices.saturating_add(added);
+        self.limits.vertices(self.totals.vertices)?;
+        let read = VertexReader {
+            accessors,
+            path,
+            count: added,
+        };
+        let positions = read.vectors::<3>(positions, "POSITION", VECTORS)?;
+        mesh.positions
+            .extend(positions.into_iter().map(Vec3::from_array));
+        let count = mesh.positions.len();
+
+        let normals = attribute(Semantic::Normals);
+        if let Some(normals) = normals {
+            let given = read.vectors::<3>(normals, "NORMAL", VECTORS)?;
+            let all = mesh.normals.get_or_insert_default();
+            // Of primitives without, they are worked out.
+            all.resize(first, Vec3::ZERO);
+            all.extend(given.into_iter().map(Vec3::from_array));
+        }
+        if let Some(normals) = &mut mesh.normals {
+            normals.resize(count, Vec3::ZERO);
+        }
+        let material = self.materials.index(primitive.material, path, self.draft)?;
+        let set = self.materials.texcoord_set(material);
+        match attribute(Semantic::TexCoords(set)) {
+            Some(texcoords) => {
+                let name = format!("TEXCOORD_{set}");
+                let given = read.vectors::<2>(texcoords, &name, TEXCOORDS)?;
+                let all = mesh.texcoords.get_or_insert_default();
+                all.resize(first, Vec2::ZERO);
+                // The file has them from the top.
+                all.extend(given.into_iter().map(|[u, v]| Vec2::new(u, 1.0 - v)));
+            }
+            None if self.materials.is_textured(material) => {
+                let warning =
+                    || faults.warning(&format!("{path} has no TEXCOORD_{set} for its textures"));
+                self.draft.warnings.push(warning);
+            }
+            None => {}
+        }
+        if let Some(texcoords) = &mut mesh.texcoords {
+            texcoords.resize(count, Vec2::ZERO);
+        }
+        if let Some(colors) = attribute(Semantic::Colors(0)) {
+            let (floats, width) = read.floats(colors, "COLOR_0", COLORS)?;
+            let all = mesh.colors.get_or_insert_default();
+            all.resize(first, Vec4::ONE);
+            let color = |color: &[f32]| {
+                Vec3::from_slice(color).extend(color.get(3).copied().unwrap_or(1.0))
+            };
+            all.extend(floats.chunks_exact(width).map(color));
+        }
+        if let Some(colors) = &mut mesh.colors {
+            colors.resize(count, Vec4::ONE);
+        }
+
+        let before = self.totals.influences;
+        let hold = |more: usize| Ok(self.limits.influences(before.saturating_add(more))?);
+        let held = mesh.influences.len();
+        influences::add(mesh, primitive, &read, bound, hold)?;
+        self.totals.influences += mesh.influences.len() - held;
+        self.add_displacements(
+            primitive,
+            &read,
+            first as u32,
+            first_morph,
+            normals.is_some(),
+        )?;
+        let corners = match primitive.indices {
+            None => added,
+            Some(indices) => accessors.count(indices, &format!("{path}.indices"))?,
+        };
+        self.totals.triangles = self
+            .totals
+            .triangles
+            .saturating_add(triangle_count(mode, corners));
+        self.limits.triangles(self.totals.triangles)?;
+        let indices = match primitive.indices {
+            None => (0..added as u32).collect(),
+            Some(indices) => {
+                let path = format!("{path}.indices");
+                let (indices, _) = accessors.integers(indices, &path, INDICES)?;
+                if let Some(place) = indices.iter().position(|&index| index as usize >= added) {
+                    let path = format!("{path}, index {place}");
+                    let expected = format!("one of the {added} vertices");
+                    return Err(faults.load(&path, expected, indices[place].to_string()));
+                }
+                indices
+            }
+        };
+        let before = mesh.triangles.len();
+        let triangles = triangles(mode, &indices);
+        let first = first as u32;
+        mesh.triangles.extend(
+            triangles
+                .into_iter()
+                .map(|it| it.map(|vertex| first + vertex)),
+        );
+        mesh.parts.push(PartDraft {
+            triangle_count: mesh.triangles.len() - before,
+            material: Some(material),
+            is_flat: normals.is_none(),
+        });
+        Ok(())
+    }
+
+    /// What the targets of a primitive add to its vertices.
+    fn add_displacements(
+        &mut self,
+        primitive: &Primitive,
+        read: &VertexReader<'_>,
+        first_vertex: u32,
+        first_morph: usize,
+        has_normals: bool,
+    ) -> Result<(), LoadError> {
+        for (index, target) in primitive.targets.iter().flatten().enumerate() {
+            let name = |attribute: &str| format!("targets[{index}].{attribute}");
+            let displacements = |accessor: Option<Index<Accessor>>, attribute: &str| match accessor
+            {
+                None => Ok(Vec::new()),
+                Some(accessor) => {
+                    let all = read.vectors::<3>(accessor, &name(attribute), VECTORS)?;
+                    let all = all.into_iter().map(Vec3::from_array);
+                    let numbered = (first_vertex..).zip(all);
+                    Ok::<_, LoadError>(numbered.filter(|(_, moved)| *moved != Vec3::ZERO).collect())
+                }
+            };
+            let positions: Vec<_> = displacements(target.positions, "POSITION")?;
+            let normals: Vec<_> = displacements(target.normals, "NORMAL")?;
+            self.totals.displacements += positions.len() + normals.len();
+            self.limits.morph_displacements(self.totals.displacements)?;
+            let morph = &mut self.draft.morphs[first_morph + index];
+            morph.positions.extend(positions);
+            if has_normals {
+                morph.normals.extend(normals);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How many triangles so many corners make.
+fn triangle_count(mode: Mode, corners: usize) -> usize {
+    match mode {
+        Mode::TriangleStrip | Mode::TriangleFan => corners.saturating_sub(2),
+        _ => corners / 3,
+    }
+}
+
+/// Those that indices make, wound as the specification says. Indices that are too few for one more are passed over.
+fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
+    match mode {
+        Mode::TriangleStrip => {
+            let triples = indices.windows(3).enumerate();
+            let turned = |(place, it): (usize, &[u32])| match place % 2 {
+                0 => [it[0], it[1], it[2]],
+                _ => [it[0], it[2], it[1]],
+            };
+            triples.map(turned).collect()
+        }
+        Mode::TriangleFan => {
+            let pairs = indices.get(1..).unwrap_or_default().windows(2);
+            pairs.map(|pair| [pair[0], pair[1], indices[0]]).collect()
+        }
+        _ => indices.as_chunks().0.to_vec(),
+    }
+}
+
+/// By a custom that every exporter follows, though the specification has it as an example only.
+fn target_names(mesh: &Mesh) -> Vec<String> {
+    #[derive(serde::Deserialize)]
+    #[serde(rename_all = "camelCase")]
+    struct Extras {
+        target_names: Vec<String>,
+    }
+    let extras = mesh.extras.as_ref();
+    let extras = extras.and_then(|extras| serde_json::from_str::<Extras>(extras.get()).ok());
+    extras.map_or_else(Vec::new, |extras| extras.target_names)
+}

@@ -1,0 +1,90 @@
+//! glTF 2.0, as text or binary: the scene graph becomes the skeleton, every mesh of a node a mesh, every animation a clip. What a document
+//! refers to is looked up among the files of the request or below the document's own folder, never anywhere else.
+//! Never lives here: cameras and lights, which a frame request brings.
+
+mod accessors;
+mod animations;
+mod attributes;
+mod buffers;
+mod container;
+mod fault;
+mod influences;
+mod materials;
+mod meshes;
+mod nodes;
+mod skins;
+mod textures;
+
+use super::error::LoadError;
+use super::files::{Files, Gathered};
+use crate::limits::Limits;
+use crate::rig::{Draft, Warnings};
+use accessors::{Accessors, MOST_NUMBERS};
+use animations::AnimationReader;
+use buffers::Buffers;
+use fault::Faults;
+use materials::Materials;
+use meshes::{MeshReader, Totals};
+use nodes::Nodes;
+use skins::Skins;
+use std::cell::Cell;
+
+/// # Errors
+/// [`LoadError::Invalid`] names the member at fault by its path, [`LoadError::Limit`] the ceiling that the document exceeds.
+pub(super) fn read(
+    file: &Gathered,
+    files: &mut Files<'_>,
+    limits: &Limits,
+    mut warnings: Warnings,
+) -> Result<Draft, LoadError> {
+    let faults = Faults {
+        file: &file.name,
+        json: None,
+    };
+    let container = container::read(faults, &file.bytes, limits, &mut warnings)?;
+    let root = &container.root;
+    let faults = Faults {
+        json: Some(&container.json),
+        ..faults
+    };
+    let buffers = Buffers::gather(faults, &container, file, files)?;
+    let left = Cell::new(MOST_NUMBERS);
+    let accessors = Accessors {
+        faults,
+        root,
+        buffers: &buffers,
+        left: &left,
+    };
+    let nodes = Nodes::gather(faults, root, limits, &mut warnings)?;
+    let mut draft = Draft {
+        warnings,
+        ..Draft::default()
+    };
+    let mut materials = Materials::read(accessors, file, files, limits, &mut draft)?;
+    let mut meshes = MeshReader {
+        accessors,
+        nodes: &nodes,
+        limits,
+        skins: Skins::new(accessors),
+        materials: &mut materials,
+        draft: &mut draft,
+        totals: Totals::default(),
+        morphs_of: vec![None; root.nodes.len()],
+    };
+    meshes.read()?;
+    let morphs_of = meshes.morphs_of;
+    limits.clips(root.animations.len())?;
+    let mut reader = AnimationReader {
+        accessors,
+        nodes: &nodes,
+        limits,
+        morphs_of: &morphs_of,
+        keys: 0,
+    };
+    for (index, animation) in root.animations.iter().enumerate() {
+        let clip = reader.read(index, animation, &mut draft.warnings)?;
+        draft.clips.push(clip);
+    }
+    draft.joints = nodes.joints;
+    Ok(draft)
+}

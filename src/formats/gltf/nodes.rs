@@ -1,0 +1,295 @@
+//! The scene graph as a skeleton: every node that matters becomes a joint. Never lives here: what hangs on the nodes.
+
+use super::fault::Faults;
+use crate::formats::error::LoadError;
+use crate::limits::Limits;
+use crate::rig::{JointDraft, Rotation, Warnings};
+use glam::{DMat3, DMat4, DQuat, DVec3};
+use gltf_json::{Index, Node, Root};
+
+/// Nodes as joints, parents before their children: depth first, roots and children in the order of the file.
+#[derive(Debug)]
+pub(super) struct Nodes {
+    pub joints: Vec<JointDraft>,
+    /// By joint.
+    pub node_of: Vec<usize>,
+    /// By node; `None` of those that are no joints.
+    pub joint_of: Vec<Option<usize>>,
+    /// By node, whether it belongs to the scene that is drawn.
+    pub is_in_scene: Vec<bool>,
+}
+
+impl Nodes {
+    /// The nodes of the scene, without those that only carry cameras and lights, and of skins' joints outside of it.
+    ///
+    /// # Errors
+    /// Where a node is below itself or has two parents, or its transform is none.
+    pub fn gather(
+        faults: Faults<'_>,
+        root: &Root,
+        limits: &Limits,
+        warnings: &mut Warnings,
+    ) -> Result<Self, LoadError> {
+        limits.joints(root.nodes.len())?;
+        let parents = parents(faults, root)?;
+        let roots = scene_roots(faults, root, &parents)?;
+        let order = depth_first(faults, root, &parents, &roots)?;
+        let is_in_scene = in_scene(&parents, &order, &roots);
+        let matters = mattering(faults, root, &parents, &order, &is_in_scene)?;
+        let mut nodes = Self {
+            joints: Vec::new(),
+            node_of: Vec::new(),
+            joint_of: vec![None; root.nodes.len()],
+            is_in_scene,
+        };
+        for node in order.into_iter().filter(|&node| matters[node]) {
+            let parent = parents[node].and_then(|parent| nodes.joint_of[parent]);
+            let joint = joint(faults, node, &root.nodes[node], parent, warnings)?;
+            nodes.joint_of[node] = Some(nodes.joints.len());
+            nodes.joints.push(joint);
+            nodes.node_of.push(node);
+        }
+        Ok(nodes)
+    }
+}
+
+/// The parent of each node.
+fn parents(faults: Faults<'_>, root: &Root) -> Result<Vec<Option<usize>>, LoadError> {
+    let mut parents = vec![None; root.nodes.len()];
+    for (index, node) in root.nodes.iter().enumerate() {
+        for (place, child) in node.children.iter().flatten().enumerate() {
+            let path = format!("nodes[{index}].children[{place}]");
+            faults.get(&root.nodes, "nodes", *child, &path)?;
+            if let Some(other) = parents[child.value()].replace(index) {
+                let found = format!("node {}, a child of node {other} already", child.value());
+                return Err(faults.load(&path, "a node without another parent", found));
+            }
+        }
+    }
+    Ok(parents)
+}
+
+/// All nodes, parents before their children, those of the scene's roots first.
+fn depth_first(
+    faults: Faults<'_>,
+    root: &Root,
+    parents: &[Option<usize>],
+    scene_roots: &[usize],
+) -> Result<Vec<usize>, LoadError> {
+    let mut order = Vec::with_capacity(root.nodes.len());
+    let mut is_met = vec![false; root.nodes.len()];
+    // A root that the file lists may have a parent: then it comes when that one does.
+    let starts = scene_roots.iter().copied().chain(0..root.nodes.len());
+    let mut open: Vec<usize> = Vec::new();
+    for start in starts.filter(|&node| parents[node].is_none()) {
+        open.push(start);
+        while let Some(node) = open.pop() {
+            if std::mem::replace(&mut is_met[node], true) {
+                continue;
+            }
+            order.push(node);
+            let children = root.nodes[node].children.iter().flatten();
+            open.extend(children.rev().map(Index::value));
+        }
+    }
+    // Each node has one parent at most, so those that no root leads to hang on one another in rings.
+    match is_met.iter().position(|is_met| !is_met) {
+        Some(node) => {
+            let path = format!("nodes[{node}]");
+            Err(faults.load(&path, "a node that is not below itself", "a ring of nodes"))
+        }
+        None => Ok(order),
+    }
+}
+
+/// The nodes that the scene lists; without any scene those that have no parent.
+fn scene_roots(
+    faults: Faults<'_>,
+    root: &Root,
+    parents: &[Option<usize>],
+) -> Result<Vec<usize>, LoadError> {
+    let scene = match root.scene {
+        None if root.scenes.is_empty() => {
+            let nodes = 0..root.nodes.len();
+            return Ok(nodes.filter(|&node| parents[node].is_none()).collect());
+        }
+        None => Index::new(0),
+        Some(scene) => scene,
+    };
+    let path = format!("scenes[{}]", scene.value());
+    let scene = faults.get(&root.scenes, "scenes", scene, "scene")?;
+    let mut is_root = vec![false; root.nodes.len()];
+    let mut roots = Vec::new();
+    for (place, node) in scene.nodes.iter().enumerate() {
+        let path = format!("{path}.nodes[{place}]");
+        faults.get(&root.nodes, "nodes", *node, &path)?;
+        if std::mem::replace(&mut is_root[node.value()], true) {
+            return Err(faults.load(
+                &path,
+                "each node once",
+                format!("node {} again", node.value()),
+            ));
+        }
+        roots.push(node.value());
+    }
+    Ok(roots)
+}
+
+/// By node, whether a root of the scene is it or above it.
+fn in_scene(parents: &[Option<usize>], order: &[usize], scene_roots: &[usize]) -> Vec<bool> {
+    let mut is_in = vec![false; parents.len()];
+    for &node in scene_roots {
+        is_in[node] = true;
+    }
+    for &node in order {
+        is_in[node] |= parents[node].is_some_and(|parent| is_in[parent]);
+    }
+    is_in
+}
+
+/// By node, whether it is to be a joint.
+fn mattering(
+    faults: Faults<'_>,
+    root: &Root,
+    parents: &[Option<usize>],
+    order: &[usize],
+    is_in_scene: &[bool],
+) -> Result<Vec<bool>, LoadError> {
+    let mut matters: Vec<bool> = root
+        .nodes
+        .iter()
+        .map(|node| !only_looks_or_lights(node))
+        .collect();
+    for (matters, is_in_scene) in matters.iter_mut().zip(is_in_scene) {
+        *matters &= is_in_scene;
+    }
+    let mut is_known = vec![false; root.skins.len()];
+    for (index, node) in root
+        .nodes
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| is_in_scene[*index])
+    {
+        let Some(skin) = node.skin else { continue };
+        let path = format!("nodes[{index}].skin");
+        let of_skin = faults.get(&root.skins, "skins", skin, &path)?;
+        if std::mem::replace(&mut is_known[skin.value()], true) {
+            continue;
+        }
+        for (place, joint) in of_skin.joints.iter().enumerate() {
+            let path = format!("skins[{}].joints[{place}]", skin.value());
+            faults.get(&root.nodes, "nodes", *joint, &path)?;
+            matters[joint.value()] = true;
+        }
+    }
+    // What moves something that matters does so too.
+    for &node in order.iter().rev() {
+        if let Some(parent) = parents[node].filter(|_| matters[node]) {
+            matters[parent] = true;
+        }
+    }
+    Ok(matters)
+}
+
+fn only_looks_or_lights(node: &Node) -> bool {
+    let extensions = node.extensions.as_ref();
+    let lights = extensions.is_some_and(|it| it.others.contains_key("KHR_lights_punctual"));
+    (node.camera.is_some() || lights) && node.mesh.is_none()
+}
+
+fn joint(
+    faults: Faults<'_>,
+    index: usize,
+    node: &Node,
+    parent: Option<usize>,
+    warnings: &mut Warnings,
+) -> Result<JointDraft, LoadError> {
+    let path = format!("nodes[{index}]");
+    let vector = |vector: [f32; 3]| DVec3::from_array(vector.map(f64::from));
+    let (scale, rotation, translation) = match node.matrix {
+        Some(matrix) => {
+            let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
+            if !matrix.is_finite() {
+                let path = format!("{path}.matrix");
+                return Err(faults.load(&path, "finite numbers", "others"));
+            }
+            decomposed(faults, &path, matrix, warnings)
+        }
+        None => {
+            let given = node.rotation.unwrap_or_default().0.map(f64::from);
+            // Its largest number is made 1 first: the square of a length can vanish or overflow where the length does not.
+            let largest = given
+                .iter()
+                .fold(0.0f64, |largest, it| largest.max(it.abs()));
+            let quaternion = DQuat::from_array(given.map(|it| it / largest));
+            let is_rotation = largest > 0.0 && quaternion.is_finite();
+            if !is_rotation {
+                warnings.push(|| {
+                    faults.warning(&format!("{path}.rotation is no rotation and left out"))
+                });
+            }
+            let rotation = if is_rotation {
+                quaternion.normalize()
+            } else {
+                DQuat::IDENTITY
+            };
+            (
+                node.scale.map_or(DVec3::ONE, vector),
+                rotation,
+                node.translation.map_or(DVec3::ZERO, vector),
+            )
+        }
+    };
+    if !(scale.is_finite() && translation.is_finite()) {
+        return Err(faults.load(&path, "a finite translation and scale", "another"));
+    }
+    Ok(JointDraft {
+        name: faults.name(node.name.as_deref(), &path, warnings),
+        parent,
+        offset: translation,
+        rest_rotation: Rotation::Quaternion(rotation),
+        rest_scale: scale,
+        translates: true,
+        scales: true,
+        ..JointDraft::default()
+    })
+}
+
+/// Scale, rotation and translation. What they cannot express is left out with a warning.
+fn decomposed(
+    faults: Faults<'_>,
+    path: &str,
+    matrix: DMat4,
+    warnings: &mut Warnings,
+) -> (DVec3, DQuat, DVec3) {
+    let columns = DMat3::from_mat4(matrix);
+    let lengths = [columns.x_axis, columns.y_axis, columns.z_axis].map(DVec3::length);
+    let mirrored = if columns.determinant() < 0.0 {
+        -1.0
+    } else {
+        1.0
+    };
+    let scale = DVec3::new(lengths[0] * mirrored, lengths[1], lengths[2]);
+    let turn = DMat3::from_cols(
+        columns.x_axis / scale.x,
+        columns.y_axis / scale.y,
+        columns.z_axis / scale.z,
+    );
+    let rotation = DQuat::from_mat3(&turn);
+    let rotation = if rotation.is_finite() && rotation.length() > 0.0 {
+        rotation.normalize()
+    } else {
+        DQuat::IDENTITY
+    };
+    let back = DMat3::from_quat(rotation) * DMat3::from_diagonal(scale);
+    // As much as float32 leaves of a rotation.
+    let tolerance = 1e-4 * scale.abs().max_element();
+    let is_affine = matrix.row(3) == glam::DVec4::W;
+    if !is_affine || !back.abs_diff_eq(columns, tolerance) {
+        warnings.push(|| {
+            let shear = "is no translation, rotation and scale; what else it is is left out";
+            faults.warning(&format!("{path}.matrix {shear}"))
+        });
+    }
+    (scale, rotation, matrix.w_axis.truncate())
+}

@@ -1,0 +1,238 @@
+//! Textures of materials: which picture, how it is decoded, and how it lies. Never lives here: what a material does with one.
+
+use super::accessors::Accessors;
+use super::buffers::{self, Bytes};
+use crate::formats::error::LoadError;
+use crate::formats::files::{Files, Gathered};
+use crate::formats::pictures::{self, Alpha, BadPicture};
+use crate::formats::recognise::base_name;
+use crate::limits::Limits;
+use crate::rig::{Encoding, Texture, TexturePlace, TextureTransform, Warnings, Wrap};
+use glam::Vec2;
+use gltf_json::Index;
+use gltf_json::texture::WrappingMode;
+use gltf_json::validation::Checked;
+use serde_json::Value;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+type Decoding = (Encoding, Alpha);
+type Decoded<'a> = (Bytes<'a>, Result<Arc<Texture>, String>);
+
+/// The textures of one document, each decoded once for each way of decoding it.
+pub(super) struct Textures<'a> {
+    pub accessors: Accessors<'a>,
+    from: &'a Gathered,
+    limits: &'a Limits,
+    /// By image. `None` of those that cannot be had.
+    of_images: HashMap<(usize, Decoding), Option<Arc<Texture>>>,
+    /// By where the bytes of a picture are, which are kept so that no others come to lie there: or why there is none.
+    of_bytes: HashMap<(usize, usize, Decoding), Decoded<'a>>,
+    /// Of all textures so far.
+    bytes: u64,
+}
+
+/// A texture that a material names, in the words of the file.
+pub(super) struct Named {
+    texture: Index<gltf_json::Texture>,
+    /// Of texture coordinates.
+    pub set: u32,
+    transform: TextureTransform,
+}
+
+impl<'a> Textures<'a> {
+    pub fn new(accessors: Accessors<'a>, from: &'a Gathered, limits: &'a Limits) -> Self {
+        Self {
+            accessors,
+            from,
+            limits,
+            of_images: HashMap::new(),
+            of_bytes: HashMap::new(),
+            bytes: 0,
+        }
+    }
+
+    /// Where a texture lies. `None` where its picture cannot be had.
+    pub fn place(
+        &mut self,
+        named: &Named,
+        (encoding, alpha): Decoding,
+        path: &str,
+        files: &mut Files<'_>,
+        warnings: &mut Warnings,
+    ) -> Result<Option<TexturePlace>, LoadError> {
+        let Accessors { faults, root, .. } = self.accessors;
+        let texture_path = format!("textures[{}]", named.texture.value());
+        let of_file = faults.get(&root.textures, "textures", named.texture, path)?;
+        let wrap = match of_file.sampler {
+            None => [Wrap::Repeat; 2],
+            Some(sampler) => {
+                let path = format!("{texture_path}.sampler");
+                let sampler = faults.get(&root.samplers, "samplers", sampler, &path)?;
+                [sampler.wrap_s, sampler.wrap_t].map(wrap_of)
+            }
+        };
+        let decoding = (encoding, alpha);
+        let texture = self.texture(of_file.source, decoding, &texture_path, files, warnings)?;
+        Ok(texture.map(|texture| TexturePlace {
+            texture,
+            wrap,
+            picture_from_texcoord: named.transform,
+        }))
+    }
+
+    /// A picture that cannot be had is a warning: the rig is drawn without it.
+    fn texture(
+        &mut self,
+        image: Index<gltf_json::Image>,
+        decoding: Decoding,
+        path: &str,
+        files: &mut Files<'_>,
+        warnings: &mut Warnings,
+    ) -> Result<Option<Arc<Texture>>, LoadError> {
+        let index = image.value();
+        if let Some(texture) = self.of_images.get(&(index, decoding)) {
+            return Ok(texture.clone());
+        }
+        let texture = match self.encoded(index, path, files)? {
+            Ok((bytes, name)) => self.decoded(bytes, name, decoding)?,
+            Err(reason) => Err(reason),
+        };
+        if let Err(reason) = &texture {
+            let faults = self.accessors.faults;
+            warnings.push(|| faults.warning(&format!("images[{index}] is left out: {reason}")));
+        }
+        let texture = texture.ok();
+        self.of_images.insert((index, decoding), texture.clone());
+        Ok(texture)
+    }
+
+    /// The file of an image and what it is called, or why it cannot be had.
+    fn encoded(
+        &self,
+        index: usize,
+        path: &str,
+        files: &mut Files<'_>,
+    ) -> Result<Result<(Bytes<'a>, String), String>, LoadError> {
+        let Accessors {
+            faults,
+            root,
+            buffers,
+            ..
+        } = self.accessors;
+        let own = format!("images[{index}]");
+        let Some(of_file) = root.images.get(index) else {
+            return Ok(Err(format!("{path} names it, and there is none")));
+        };
+        match (&of_file.uri, of_file.buffer_view) {
+            (_, Some(view)) => {
+                let bytes = buffers.view(root, view, &format!("{own}.bufferView"))?.0;
+                Ok(Ok((Bytes::Here(bytes), format!("image_{index}"))))
+            }
+            (Some(uri), None) => {
+                match buffers::open(faults, &format!("{own}.uri"), uri, self.from, files) {
+                    Ok(bytes) => Ok(Ok((Bytes::Decoded(bytes), name_of(uri, index)))),
+                    Err(LoadError::Invalid(fault)) => {
+                        Ok(Err(format!("{}: {}", fault.expected, fault.found)))
+                    }
+                    Err(other) => Err(other),
+                }
+            }
+            (None, None) => Ok(Err("it has neither `uri` nor `bufferView`".to_owned())),
+        }
+    }
+
+    /// The same bytes are decoded once, however many images they are.
+    fn decoded(
+        &mut self,
+        bytes: Bytes<'a>,
+        name: String,
+        (encoding, alpha): Decoding,
+    ) -> Result<Result<Arc<Texture>, String>, LoadError> {
+        let key = (bytes.as_ptr() as usize, bytes.len(), (encoding, alpha));
+        if let Some((_, texture)) = self.of_bytes.get(&key) {
+            return Ok(texture.clone());
+        }
+        let mut decode = || {
+            let [width, height] = pictures::dimensions(&bytes, self.limits)?;
+            // A small file can hold many pixels, and a document many such files, also broken ones: neither memory nor time must be gone
+            // before the rig is weighed. The halvings come to a third of the full picture.
+            self.bytes += u64::from(width) * u64::from(height) * 16 / 3;
+            self.limits.rig_bytes(self.bytes)?;
+            pictures::decode(&bytes, alpha, self.limits)
+        };
+        let texture = match decode() {
+            Ok(level) => Ok(Arc::new(Texture::new(name, encoding, level))),
+            Err(BadPicture::Limit(exceeded)) => return Err(exceeded.into()),
+            Err(BadPicture::Undecodable(reason)) => Err(reason),
+        };
+        self.of_bytes.insert(key, (bytes, texture.clone()));
+        Ok(texture)
+    }
+}
+
+impl Named {
+    pub fn color(info: &gltf_json::texture::Info) -> Self {
+        let transform = info
+            .extensions
+            .as_ref()
+            .and_then(|it| it.texture_transform.as_ref());
+        Self {
+            texture: info.index,
+            set: transform
+                .and_then(|it| it.tex_coord)
+                .unwrap_or(info.tex_coord),
+            transform: transform.map_or(TextureTransform::IDENTITY, |it| {
+                affine(it.offset.0, it.rotation.0, it.scale.0)
+            }),
+        }
+    }
+
+    /// The library leaves the extensions of this one as they are.
+    pub fn normals(info: &gltf_json::material::NormalTexture) -> Self {
+        let extensions = info.extensions.as_ref();
+        let transform = extensions.and_then(|it| it.others.get("KHR_texture_transform"));
+        let number = |value: Option<&Value>, otherwise: f64| {
+            value.and_then(Value::as_f64).unwrap_or(otherwise) as f32
+        };
+        let two = |name: &str, otherwise: f64| {
+            let list = transform.and_then(|it| it.get(name));
+            [0, 1].map(|place| number(list.and_then(|list| list.get(place)), otherwise))
+        };
+        let rotation = number(transform.and_then(|it| it.get("rotation")), 0.0);
+        let set = transform.and_then(|it| it.get("texCoord")?.as_u64());
+        Self {
+            texture: info.index,
+            set: set.map_or(info.tex_coord, |set| set as u32),
+            transform: affine(two("offset", 0.0), rotation, two("scale", 1.0)),
+        }
+    }
+}
+
+/// What the picture of a texture is called.
+fn name_of(uri: &str, index: usize) -> String {
+    match uri.starts_with("data:") {
+        true => format!("image_{index}"),
+        false => base_name(uri).to_owned(),
+    }
+}
+
+/// `T(offset) · R · S(scale)` on texture coordinates from the top; counter-clockwise is as one sees it on the picture.
+fn affine(offset: [f32; 2], rotation: f32, [x, y]: [f32; 2]) -> TextureTransform {
+    let (sine, cosine) = (libm::sinf(rotation), libm::cosf(rotation));
+    TextureTransform {
+        columns: [
+            Vec2::new(cosine * x, -sine * x),
+            Vec2::new(sine * y, cosine * y),
+        ],
+        offset: Vec2::from_array(offset),
+    }
+}
+
+fn wrap_of(mode: Checked<WrappingMode>) -> Wrap {
+    match mode {
+        Checked::Valid(WrappingMode::ClampToEdge) => Wrap::Clamp,
+        Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::Mirror,
+        Checked::Valid(WrappingMode::Repeat) | Checked::Invalid => Wrap::Repeat,
+    }
+}

@@ -1,0 +1,45 @@
+//! Surfaces with holes: a triangle is not there in the pixels in whose middle it lets through too much.
+//! Never lives here: which samples it covers.
+
+use super::coated::Coated;
+use super::geometry::Corner;
+use super::interpolate::Plane;
+use super::raster::{Presence, Slope};
+use fearless_simd::prelude::*;
+
+/// A triangle of a masked surface, or a piece of one.
+pub(super) struct Cutout<'a, S: Simd> {
+    simd: S,
+    coated: &'a Coated<'a>,
+    /// In pixels.
+    origin: [f32; 2],
+    texcoord: Plane,
+    color: Plane,
+}
+
+impl<'a, S: Simd> Cutout<'a, S> {
+    /// Of a triangle that is no line.
+    #[inline(always)]
+    pub fn of(simd: S, coated: &'a Coated<'a>, corners: &[Corner; 3]) -> Self {
+        let slope = Slope::of(corners.map(|corner| corner.projected));
+        Self {
+            simd,
+            coated,
+            origin: slope.origin,
+            texcoord: Plane::of_texcoords(simd, &slope, corners),
+            color: Plane::of_colors(simd, &slope, corners),
+        }
+    }
+}
+
+impl<S: Simd> Presence for Cutout<'_, S> {
+    const IS_EVERYWHERE: bool = false;
+
+    #[inline(always)]
+    fn is_at(&self, pixel: [u32; 2]) -> bool {
+        let planes = [&self.texcoord, &self.color];
+        let pixel = pixel.map(|at| at as f32);
+        let alpha = self.coated.alpha(self.simd, planes, self.origin, pixel);
+        alpha >= self.coated.coat.least_alpha
+    }
+}

@@ -1,0 +1,91 @@
+//! The coats of all pictures of a submission on the device.
+
+use super::buffers::Growing;
+use super::device::Device;
+use crate::render::coat::Coat;
+use wgpu::BufferUsages;
+
+pub(super) struct Coats {
+    pub layout: wgpu::BindGroupLayout,
+    buffer: Growing,
+    group: wgpu::BindGroup,
+    /// Bytes from one coat to the next, as the device aligns them.
+    stride: usize,
+    /// Reused from submission to submission.
+    gathered: Vec<u8>,
+}
+
+impl Coats {
+    /// At the most, from one coat to the next: what devices align to at the worst.
+    pub const MOST_STRIDE: usize = size_of::<Coat>().next_multiple_of(256);
+
+    pub fn new(device: &Device) -> Self {
+        let wgpu_device = &device.device;
+        let layout = wgpu_device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("coats.coat"),
+            entries: &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::FRAGMENT,
+                ty: wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Uniform,
+                    has_dynamic_offset: true,
+                    min_binding_size: None,
+                },
+                count: None,
+            }],
+        });
+        let buffer = Growing::new(device, "coats.coats", BufferUsages::UNIFORM);
+        let alignment = wgpu_device.limits().min_uniform_buffer_offset_alignment as usize;
+        Self {
+            group: bind(device, &layout, &buffer),
+            layout,
+            buffer,
+            stride: size_of::<Coat>().next_multiple_of(alignment),
+            gathered: Vec::new(),
+        }
+    }
+
+    pub fn bytes(&self) -> u64 {
+        self.buffer.buffer().size()
+    }
+
+    pub fn clear(&mut self) {
+        self.gathered.clear();
+    }
+
+    /// Where it will be bound once it is [written](Self::write).
+    pub fn add(&mut self, coat: &Coat) -> u32 {
+        let offset = self.gathered.len();
+        self.gathered.extend_from_slice(bytemuck::bytes_of(coat));
+        self.gathered.resize(offset + self.stride, 0);
+        offset as u32
+    }
+
+    /// Writes what was added since they were [cleared](Self::clear).
+    pub fn write(&mut self, device: &Device) {
+        if self.buffer.write(device, &self.gathered) {
+            self.group = bind(device, &self.layout, &self.buffer);
+        }
+    }
+
+    pub fn set(&self, pass: &mut wgpu::RenderPass<'_>, index: u32, offset: u32) {
+        pass.set_bind_group(index, &self.group, &[offset]);
+    }
+}
+
+/// One at a time.
+fn bind(device: &Device, layout: &wgpu::BindGroupLayout, buffer: &Growing) -> wgpu::BindGroup {
+    let coat = wgpu::BufferBinding {
+        buffer: buffer.buffer(),
+        offset: 0,
+        size: wgpu::BufferSize::new(size_of::<Coat>() as u64),
+    };
+    device.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("coats.coat"),
+        layout,
+        entries: &[wgpu::BindGroupEntry {
+            binding: 0,
+            resource: wgpu::BindingResource::Buffer(coat),
+        }],
+    })
+}

@@ -1,0 +1,152 @@
+//! What is drawn of skin, and in which order: into the base, or into the layer of a translucent skin.
+
+use super::coats::Coats;
+use super::pipelines::{Given, Kind, Variant};
+use super::shade::Drawing;
+use super::skin::SkinnedRig;
+use super::wear::{Stretch, Wear};
+use crate::render::cull::{self, Culling};
+use crate::render::order::PartPlace;
+use crate::render::{Instance, Picture};
+use std::ops::Range;
+
+/// Triangles of one instance that are drawn alike.
+pub(super) struct Draw<'a> {
+    pub variant: Variant,
+    pub place: &'a SkinnedRig<'a>,
+    pub wear: &'a Wear,
+    /// Where its coat is bound, if it wears one.
+    pub coat: Option<u32>,
+    pub indices: Range<u32>,
+}
+
+/// Those of one picture.
+#[derive(Default)]
+pub(super) struct Draws<'a> {
+    /// What takes the place of what is behind, then what blends.
+    pub base: Vec<Draw<'a>>,
+    pub layer: Vec<Draw<'a>>,
+}
+
+/// An instance as a picture shows it.
+struct Dressed<'a> {
+    picture: &'a Picture,
+    instance: &'a Instance,
+    place: &'a SkinnedRig<'a>,
+    given: Given,
+    /// By mesh.
+    cullings: Vec<Culling>,
+    /// By wear.
+    coats: Vec<Option<u32>>,
+}
+
+impl<'a> Draws<'a> {
+    /// `order` is that of the parts that blend.
+    pub fn of(drawing: &Drawing<'a>, order: &[(f64, PartPlace)], coats: &mut Coats) -> Self {
+        let picture = drawing.picture;
+        let dressed = drawing.skin.iter().map(|skin| {
+            let (instance, place) = (*skin)?;
+            Some(Dressed::new(picture, instance, place, coats))
+        });
+        let dressed: Vec<Option<Dressed<'a>>> = dressed.collect();
+        let mut draws = Self::default();
+        for dressed in dressed.iter().flatten() {
+            for (stretch, indices) in &dressed.place.rig.stretches {
+                if picture.is_translucent() {
+                    // Only the nearest of it is seen, whatever it is made of.
+                    add(&mut draws.layer, dressed.draw(stretch, indices));
+                } else if !stretch.blends {
+                    add(&mut draws.base, dressed.draw(stretch, indices));
+                }
+            }
+        }
+        for (_, part) in order {
+            // Nothing is there of an instance without triangles.
+            let Some(dressed) = &dressed[part.instance] else {
+                continue;
+            };
+            for (stretch, indices) in dressed.place.rig.blending(part.mesh, part.part) {
+                add(&mut draws.base, dressed.draw(stretch, indices));
+            }
+        }
+        draws
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = &Draw<'a>> {
+        self.base.iter().chain(&self.layer)
+    }
+}
+
+/// Neighbours in the rig's own order that are drawn alike, one after the other, become one.
+fn add<'a>(draws: &mut Vec<Draw<'a>>, draw: Draw<'a>) {
+    match draws.last_mut() {
+        Some(last) if last.goes_on_in(&draw) => last.indices.end = draw.indices.end,
+        _ => draws.push(draw),
+    }
+}
+
+impl<'a> Dressed<'a> {
+    fn new(
+        picture: &'a Picture,
+        instance: &'a Instance,
+        place: &'a SkinnedRig<'a>,
+        coats: &mut Coats,
+    ) -> Self {
+        // Indices count from the rig's first vertex.
+        debug_assert_eq!(place.first_vertex, 0, "pictures skin all of a rig");
+        let rig = instance.rig();
+        let cullings = rig.meshes().iter().map(|mesh| {
+            let reach = cull::reach(instance, mesh);
+            Culling::of(instance, mesh, &picture.scene, reach)
+        });
+        let of_wears = place.rig.wears.iter();
+        let of_wears = of_wears.map(|wear| {
+            let coat = wear.coat(rig, &picture.scene.surface)?;
+            Some(coats.add(&coat))
+        });
+        Self {
+            picture,
+            instance,
+            place,
+            given: Given {
+                texcoords: place.rig.texcoords.is_some(),
+                colors: place.rig.colors.is_some(),
+            },
+            cullings: cullings.collect(),
+            coats: of_wears.collect(),
+        }
+    }
+
+    fn draw(&self, stretch: &Stretch, indices: &Range<u32>) -> Draw<'a> {
+        let wear = &self.place.rig.wears[stretch.wear];
+        let part = &self.instance.rig().meshes()[stretch.mesh].parts()[stretch.part];
+        Draw {
+            variant: Variant {
+                kind: match wear {
+                    Wear::Plain => Kind::Skin,
+                    Wear::Textured(_) => Kind::TexturedSkin,
+                    Wear::Coated { .. } => Kind::CoatedSkin(self.given),
+                },
+                samples: self.picture.scene.samples,
+                culled: self.cullings[stretch.mesh]
+                    .pieces(part)
+                    .find(|piece| piece.triangles.contains(&stretch.triangles.start))
+                    .and_then(|piece| piece.culled),
+                blends: stretch.blends && !self.picture.is_translucent(),
+            },
+            place: self.place,
+            wear,
+            coat: self.coats[stretch.wear],
+            indices: indices.clone(),
+        }
+    }
+}
+
+impl Draw<'_> {
+    fn goes_on_in(&self, next: &Self) -> bool {
+        std::ptr::eq(self.place, next.place)
+            && std::ptr::eq(self.wear, next.wear)
+            && self.variant == next.variant
+            && self.indices.end == next.indices.start
+    }
+}

@@ -1,0 +1,59 @@
+//! In which order surfaces that blend are drawn. Never lives here: what is drawn of them.
+
+use super::{Plan, Wanted};
+use crate::rig::Opacity;
+use crate::scene::Camera;
+use glam::DVec3;
+
+/// A part of a mesh of an instance of a plan, each by its index.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct PartPlace {
+    pub instance: usize,
+    pub mesh: usize,
+    pub part: usize,
+}
+
+/// Those that are laid over what is behind them one after another, farthest first: of an opaque skin the parts whose material blends, by the
+/// distance of their middle from the eye, where that is the same in their own order.
+pub(super) fn blending_parts(plan: &Plan, into: &mut Vec<(f64, PartPlace)>) {
+    into.clear();
+    let Wanted::Picture(picture) = &plan.wanted else {
+        return;
+    };
+    if picture.is_translucent() {
+        return;
+    }
+    for (instance, of_plan) in plan.shown_instances().iter().enumerate() {
+        let rig = of_plan.rig();
+        for (mesh, of_rig) in rig.meshes().iter().enumerate() {
+            for (part, of_mesh) in of_rig.parts().iter().enumerate() {
+                let material = of_mesh.material.map(|material| &rig.materials()[material]);
+                if material.is_some_and(|material| material.opacity == Opacity::Blend) {
+                    let distance = distance(&picture.scene.camera, of_plan.center_of(of_mesh));
+                    into.push((
+                        distance,
+                        PartPlace {
+                            instance,
+                            mesh,
+                            part,
+                        },
+                    ));
+                }
+            }
+        }
+    }
+    // By place where it is the same, rather than stably: that would ask for memory, each time.
+    into.sort_unstable_by(|(one, place), (other, other_place)| {
+        other.total_cmp(one).then_with(|| place.cmp(other_place))
+    });
+}
+
+/// What grows with the distance from the eye, which may be infinitely far.
+fn distance(camera: &Camera, position_in_world: DVec3) -> f64 {
+    let eye = camera.eye();
+    if eye.w == 0.0 {
+        -eye.truncate().dot(position_in_world)
+    } else {
+        (eye.truncate() / eye.w).distance_squared(position_in_world)
+    }
+}
