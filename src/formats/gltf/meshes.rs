@@ -14,6 +14,7 @@ use gltf_json::accessor::Accessor;
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Mesh};
+use std::collections::HashMap;
 
 /// What meshes are read with.
 pub(super) struct MeshReader<'a, 'm> {
@@ -25,6 +26,8 @@ pub(super) struct MeshReader<'a, 'm> {
     pub draft: &'m mut Draft,
     /// Of all meshes so far.
     pub totals: Totals,
+    /// By mesh of the file.
+    pub target_names: HashMap<usize, Vec<String>>,
     /// By node, which morph targets its mesh has in the draft: the first, and how many.
     pub morphs_of: Vec<Option<(usize, usize)>>,
 }
@@ -62,7 +65,7 @@ impl MeshReader<'_, '_> {
                 ..MeshDraft::default()
             };
             let first_morph = self.draft.morphs.len();
-            self.add_morphs(of_node, &path, node.weights.as_deref())?;
+            self.add_morphs(mesh, of_node, &path, node.weights.as_deref())?;
             for (place, primitive) in of_node.primitives.iter().enumerate() {
                 let path = format!("{path}.primitives[{place}]");
                 self.add_primitive(&mut draft, primitive, &path, &bound, first_morph)?;
@@ -81,6 +84,7 @@ impl MeshReader<'_, '_> {
     /// The morph targets of a mesh, still without what they move.
     fn add_morphs(
         &mut self,
+        of_file: Index<Mesh>,
         mesh: &Mesh,
         path: &str,
         of_node: Option<&[f32]>,
@@ -102,7 +106,8 @@ impl MeshReader<'_, '_> {
         if targets == 0 {
             return Ok(());
         }
-        let names = target_names(mesh);
+        let names = self.target_names.entry(of_file.value());
+        let names = names.or_insert_with(|| target_names(mesh));
         for target in 0..targets {
             self.draft.morphs.push(MorphDraft {
                 name: faults.name(
@@ -119,6 +124,7 @@ impl MeshReader<'_, '_> {
         Ok(())
     }
 
+    /// Adds a primitive's vertices and triangles to its mesh, and what its targets do to its morph targets.
     fn add_primitive(
         &mut self,
         mesh: &mut MeshDraft,
@@ -130,37 +136,60 @@ impl MeshReader<'_, '_> {
         let (faults, accessors) = (self.accessors.faults, self.accessors);
         let modes = "a mode of the specification";
         let mode = faults.valid(primitive.mode, &format!("{path}.mode"), modes)?;
-        let attribute =
-            |semantic: Semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
-        let skipped = match (mode, attribute(Semantic::Positions)) {
+        let positions = attribute(primitive, Semantic::Positions);
+        let skipped = match (mode, positions) {
             (Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip, _) => {
                 "is not made of triangles"
             }
             (_, None) => "has no positions",
             (_, Some(_)) => "",
         };
-        let Some(positions) = attribute(Semantic::Positions).filter(|_| skipped.is_empty()) else {
+        let Some(positions) = positions.filter(|_| skipped.is_empty()) else {
             let warning = || faults.warning(&format!("{path} {skipped} and is left out"));
             self.draft.warnings.push(warning);
             return Ok(());
         };
-        let path_of = |name: &str| format!("{path}.attributes.{name}");
         let first = mesh.positions.len();
-        let added = accessors.count(positions, &path_of("POSITION"))?;
-        self.totals.vertices = self.totals.vertices.saturating_add(added);
+        let count = accessors.count(positions, &format!("{path}.attributes.POSITION"))?;
+        self.totals.vertices = self.totals.vertices.saturating_add(count);
         self.limits.vertices(self.totals.vertices)?;
         let read = VertexReader {
             accessors,
             path,
-            count: added,
+            count,
         };
         let positions = read.vectors::<3>(positions, "POSITION", VECTORS)?;
         mesh.positions
             .extend(positions.into_iter().map(Vec3::from_array));
-        let count = mesh.positions.len();
+        let material = self.materials.index(primitive.material, path, self.draft)?;
+        self.add_attributes(mesh, primitive, &read, material)?;
 
-        let normals = attribute(Semantic::Normals);
-        if let Some(normals) = normals {
+        let before = self.totals.influences;
+        let hold = |more: usize| Ok(self.limits.influences(before.saturating_add(more))?);
+        let held = mesh.influences.len();
+        influences::add(mesh, primitive, &read, bound, hold)?;
+        self.totals.influences += mesh.influences.len() - held;
+        self.add_displacements(primitive, &read, first as u32, first_morph)?;
+        let triangle_count = self.add_triangles(mesh, primitive, mode, &read, first as u32)?;
+        mesh.parts.push(PartDraft {
+            triangle_count,
+            material: Some(material),
+            is_flat: attribute(primitive, Semantic::Normals).is_none(),
+        });
+        Ok(())
+    }
+
+    /// Normals, texture coordinates and colors of the vertices that a mesh was just given. What some primitives of it have, all get.
+    fn add_attributes(
+        &mut self,
+        mesh: &mut MeshDraft,
+        primitive: &Primitive,
+        read: &VertexReader<'_>,
+        material: usize,
+    ) -> Result<(), LoadError> {
+        let count = mesh.positions.len();
+        let first = count - read.count;
+        if let Some(normals) = attribute(primitive, Semantic::Normals) {
             let given = read.vectors::<3>(normals, "NORMAL", VECTORS)?;
             let all = mesh.normals.get_or_insert_default();
             // Of primitives without, they are worked out.
@@ -170,9 +199,8 @@ impl MeshReader<'_, '_> {
         if let Some(normals) = &mut mesh.normals {
             normals.resize(count, Vec3::ZERO);
         }
-        let material = self.materials.index(primitive.material, path, self.draft)?;
         let set = self.materials.texcoord_set(material);
-        match attribute(Semantic::TexCoords(set)) {
+        match attribute(primitive, Semantic::TexCoords(set)) {
             Some(texcoords) => {
                 let name = format!("TEXCOORD_{set}");
                 let given = read.vectors::<2>(texcoords, &name, TEXCOORDS)?;
@@ -182,6 +210,7 @@ impl MeshReader<'_, '_> {
                 all.extend(given.into_iter().map(|[u, v]| Vec2::new(u, 1.0 - v)));
             }
             None if self.materials.is_textured(material) => {
+                let (faults, path) = (self.accessors.faults, read.path);
                 let warning =
                     || faults.warning(&format!("{path} has no TEXCOORD_{set} for its textures"));
                 self.draft.warnings.push(warning);
@@ -191,7 +220,7 @@ impl MeshReader<'_, '_> {
         if let Some(texcoords) = &mut mesh.texcoords {
             texcoords.resize(count, Vec2::ZERO);
         }
-        if let Some(colors) = attribute(Semantic::Colors(0)) {
+        if let Some(colors) = attribute(primitive, Semantic::Colors(0)) {
             let (floats, width) = read.floats(colors, "COLOR_0", COLORS)?;
             let all = mesh.colors.get_or_insert_default();
             all.resize(first, Vec4::ONE);
@@ -203,55 +232,42 @@ impl MeshReader<'_, '_> {
         if let Some(colors) = &mut mesh.colors {
             colors.resize(count, Vec4::ONE);
         }
-
-        let before = self.totals.influences;
-        let hold = |more: usize| Ok(self.limits.influences(before.saturating_add(more))?);
-        let held = mesh.influences.len();
-        influences::add(mesh, primitive, &read, bound, hold)?;
-        self.totals.influences += mesh.influences.len() - held;
-        self.add_displacements(
-            primitive,
-            &read,
-            first as u32,
-            first_morph,
-            normals.is_some(),
-        )?;
-        let corners = match primitive.indices {
-            None => added,
-            Some(indices) => accessors.count(indices, &format!("{path}.indices"))?,
-        };
-        self.totals.triangles = self
-            .totals
-            .triangles
-            .saturating_add(triangle_count(mode, corners));
-        self.limits.triangles(self.totals.triangles)?;
-        let indices = match primitive.indices {
-            None => (0..added as u32).collect(),
-            Some(indices) => {
-                let path = format!("{path}.indices");
-                let (indices, _) = accessors.integers(indices, &path, INDICES)?;
-                if let Some(place) = indices.iter().position(|&index| index as usize >= added) {
-                    let path = format!("{path}, index {place}");
-                    let expected = format!("one of the {added} vertices");
-                    return Err(faults.load(&path, expected, indices[place].to_string()));
-                }
-                indices
-            }
-        };
-        let before = mesh.triangles.len();
-        let triangles = triangles(mode, &indices);
-        let first = first as u32;
-        mesh.triangles.extend(
-            triangles
-                .into_iter()
-                .map(|it| it.map(|vertex| first + vertex)),
-        );
-        mesh.parts.push(PartDraft {
-            triangle_count: mesh.triangles.len() - before,
-            material: Some(material),
-            is_flat: normals.is_none(),
-        });
         Ok(())
+    }
+
+    /// Those of a primitive whose vertices start at `first_vertex` of its mesh, and how many they are.
+    fn add_triangles(
+        &mut self,
+        mesh: &mut MeshDraft,
+        primitive: &Primitive,
+        mode: Mode,
+        read: &VertexReader<'_>,
+        first_vertex: u32,
+    ) -> Result<usize, LoadError> {
+        let (accessors, vertices) = (self.accessors, read.count);
+        let path = format!("{}.indices", read.path);
+        let corners = match primitive.indices {
+            None => vertices,
+            Some(indices) => accessors.count(indices, &path)?,
+        };
+        let total = &mut self.totals.triangles;
+        *total = total.saturating_add(triangle_count(mode, corners));
+        self.limits.triangles(*total)?;
+        let indices = match primitive.indices {
+            None => (0..vertices as u32).collect(),
+            Some(indices) => accessors.integers(indices, &path, INDICES)?.0,
+        };
+        if let Some(place) = indices.iter().position(|&index| index as usize >= vertices) {
+            let path = format!("{path}, index {place}");
+            let expected = format!("one of the {vertices} vertices");
+            let found = indices[place].to_string();
+            return Err(accessors.faults.load(&path, expected, found));
+        }
+        let triangles = triangles(mode, &indices);
+        let count = triangles.len();
+        let numbered = |triangle: [u32; 3]| triangle.map(|vertex| first_vertex + vertex);
+        mesh.triangles.extend(triangles.into_iter().map(numbered));
+        Ok(count)
     }
 
     /// What the targets of a primitive add to its vertices.
@@ -261,8 +277,9 @@ impl MeshReader<'_, '_> {
         read: &VertexReader<'_>,
         first_vertex: u32,
         first_morph: usize,
-        has_normals: bool,
     ) -> Result<(), LoadError> {
+        // Flat ones follow from positions.
+        let has_normals = attribute(primitive, Semantic::Normals).is_some();
         for (index, target) in primitive.targets.iter().flatten().enumerate() {
             let name = |attribute: &str| format!("targets[{index}].{attribute}");
             let displacements = |accessor: Option<Index<Accessor>>, attribute: &str| match accessor
@@ -287,6 +304,10 @@ impl MeshReader<'_, '_> {
         }
         Ok(())
     }
+}
+
+fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<Index<Accessor>> {
+    primitive.attributes.get(&Checked::Valid(semantic)).copied()
 }
 
 /// How many triangles so many corners make.

@@ -28,6 +28,7 @@ use meshes::{MeshReader, Totals};
 use nodes::Nodes;
 use skins::Skins;
 use std::cell::Cell;
+use std::collections::HashMap;
 
 /// # Errors
 /// [`LoadError::Invalid`] names the member at fault by its path, [`LoadError::Limit`] the ceiling that the document exceeds.
@@ -69,6 +70,7 @@ pub(super) fn read(
         materials: &mut materials,
         draft: &mut draft,
         totals: Totals::default(),
+        target_names: HashMap::new(),
         morphs_of: vec![None; root.nodes.len()],
     };
     meshes.read()?;
