@@ -1,13 +1,15 @@
 //! The daemon as users run it: a process of its own, with the built-in figure loaded. Never lives here: what it is asked.
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Lines};
 use std::net::SocketAddr;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStdout, Command, Stdio};
 
 /// Serves until it is dropped.
 pub struct DaemonProcess {
     pub address: SocketAddr,
     child: Child,
+    /// Open for as long as it may say something.
+    _said: Lines<BufReader<ChildStdout>>,
 }
 
 impl DaemonProcess {
@@ -26,6 +28,7 @@ impl DaemonProcess {
         Self {
             address: address.parse().expect("an address"),
             child,
+            _said: lines,
         }
     }
 

@@ -83,6 +83,7 @@ impl TextureLevel {
         }
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         let (columns, rows) = (shares(self.width, width), shares(self.height, height));
+        let is_opaque = self.texels.iter().all(|texel| texel[3] == 255);
         let mut texels = Vec::with_capacity(width as usize * height as usize);
         for row in &rows {
             for column in &columns {
@@ -90,7 +91,12 @@ impl TextureLevel {
                 for &(y, of_row) in row.iter().filter(|(_, share)| *share > 0.0) {
                     for &(x, of_column) in column.iter().filter(|(_, share)| *share > 0.0) {
                         let texel = self.texels[y * self.width as usize + x];
-                        mean.add(texel, of_row * of_column, encoding);
+                        let share = of_row * of_column;
+                        if is_opaque {
+                            mean.add_opaque(texel, share, encoding);
+                        } else {
+                            mean.add(texel, share, encoding);
+                        }
                     }
                 }
                 texels.push(mean.texel(encoding));
@@ -117,15 +123,19 @@ struct Mean {
 }
 
 impl Mean {
+    /// Of a picture without any that is not.
+    fn add_opaque(&mut self, [r, g, b, _]: [u8; 4], share: f32, encoding: Encoding) {
+        for (channel, byte) in [r, g, b].into_iter().enumerate() {
+            self.color[channel] += share * number(byte, encoding);
+        }
+    }
+
     fn add(&mut self, [r, g, b, alpha]: [u8; 4], share: f32, encoding: Encoding) {
         let opacity = f32::from(alpha) / 255.0;
         self.alpha += share * opacity;
         self.is_translucent |= alpha < 255;
         for (channel, byte) in [r, g, b].into_iter().enumerate() {
-            let number = match encoding {
-                Encoding::Srgb => LINEAR_FROM_SRGB[byte as usize],
-                Encoding::Linear => f32::from(byte) / 255.0,
-            };
+            let number = number(byte, encoding);
             self.color[channel] += share * number;
             self.opaque_color[channel] += share * opacity * number;
         }
@@ -153,6 +163,13 @@ impl Mean {
                 255
             },
         ]
+    }
+}
+
+fn number(byte: u8, encoding: Encoding) -> f32 {
+    match encoding {
+        Encoding::Srgb => LINEAR_FROM_SRGB[byte as usize],
+        Encoding::Linear => f32::from(byte) / 255.0,
     }
 }
 
