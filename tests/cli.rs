@@ -710,3 +710,25 @@ fn a_stream_is_called_for_and_each_picture_saved() {
     daemon.kill().expect("it runs");
     daemon.wait().expect("it ends");
 }
+
+#[test]
+fn a_daemon_outlives_whoever_read_its_first_words() {
+    let free = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = free.local_addr().expect("it is bound").to_string();
+    drop(free);
+    let mut daemon = Command::new(env!("CARGO_BIN_EXE_rigd"));
+    let daemon = daemon.args(["serve", "--listen", &address]).args(ADAPTER);
+    let mut daemon = daemon.stdout(Stdio::piped()).spawn().expect("it starts");
+    drop(daemon.stdout.take());
+    let patience = std::time::Instant::now() + std::time::Duration::from_secs(20);
+    while !rigd(&["call", "server.ping", "--connect", &address])
+        .status
+        .success()
+    {
+        assert!(daemon.try_wait().expect("a child").is_none(), "it ended");
+        assert!(std::time::Instant::now() < patience, "it does not answer");
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    daemon.kill().expect("it still runs");
+    daemon.wait().expect("it ends");
+}

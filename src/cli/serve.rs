@@ -55,11 +55,14 @@ pub(super) fn run(args: &ServeArgs) -> anyhow::Result<()> {
         );
     }
     *stopping.lock().unwrap_or_else(PoisonError::into_inner) = Some(server.stopper()?);
-    // On its own line and flushed, so that a script can wait for it and read the port.
-    println!("rigd {} listening on {address}", env!("CARGO_PKG_VERSION"));
-    println!("rig `{}` loaded, drawing with {adapter}", loaded.name);
-    // A script that has read what it wanted may have closed its end.
-    let _ = std::io::stdout().flush();
+    let (version, name) = (env!("CARGO_PKG_VERSION"), &loaded.name);
+    // On its own line and flushed, so that a script can wait for it and read the port. Once it has what it wanted it may close its end,
+    // which is no reason to stop.
+    let mut said = std::io::stdout().lock();
+    let _ = writeln!(said, "rigd {version} listening on {address}");
+    let _ = writeln!(said, "rig `{name}` loaded, drawing with {adapter}");
+    let _ = said.flush();
+    drop(said);
     server.run()?;
     Ok(())
 }
@@ -71,7 +74,10 @@ fn stop_on(mut signals: Signals, server: &Mutex<Option<Stopper>>) {
         let Some(stopper) = stopper else {
             std::process::exit(ENDED_BY + signal);
         };
-        eprintln!("rigd: stopping; requests in hand are answered first");
+        let _ = writeln!(
+            std::io::stderr(),
+            "rigd: stopping; requests in hand are answered first"
+        );
         stopper.stop();
     }
 }
