@@ -1,7 +1,10 @@
 //! Is every file, however broken, answered with a rig or with a clear error, and never with a panic, a hang or a huge allocation?
 
+mod support;
+
 use rigd::formats::{File, FileFault, FileRef, LoadError, Loaded, Source, load};
 use rigd::limits::{LimitExceeded, Limits};
+use support::random::Random;
 
 const SKEL: &str = "\
 balljoint root {
@@ -209,18 +212,6 @@ fn assert_is_sound(loaded: &Loaded) {
         for time in [-1e9, -1.0, 0.5, 1.0, 1e9] {
             assert!(curve.at(time).is_finite());
         }
-    }
-}
-
-/// Marsaglia's xorshift: the same mutations on every run.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % end as u64) as usize
     }
 }
 

@@ -8,6 +8,7 @@ pub mod gltf;
 pub mod oracle;
 pub mod pictures;
 pub mod quads;
+pub mod random;
 pub mod server;
 pub mod suite;
 

@@ -1,16 +1,15 @@
 //! What of a tile blends, one surface after another laid over the base, sample by sample. Never lives here: which samples a triangle
 //! covers, and light.
 
-use super::bin::{Rectangle, TILE, seen};
 use super::gather::{Drawn, Triangles};
 use super::geometry::{Layer, Place};
 use super::project::Projected;
-use super::raster::{self, Everywhere, Footprint, Target};
+use super::raster::{self, Everywhere, Target};
 use super::samples::{
     BLOCK, BLOCK_COLUMNS, BLOCK_PIXELS, BLOCKS, EIGHTHS, GROUP, NONE, TileSamples,
 };
 use super::shade::{Fragments, shade};
-use super::tile::{Picturing, shade_shown};
+use super::tile::{Canvas, Picturing, shade_shown};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x4, f32x8, mask32x8};
 
@@ -65,16 +64,8 @@ impl Overlay {
         self.is_open = [false; BLOCKS];
         self.hits.clear();
         self.triangles.clear();
-        let corner = [column * TILE[0], row * TILE[1]];
-        let last = [corner[0] + TILE[0] - 1, corner[1] + TILE[1] - 1];
-        let canvas = Canvas {
-            picture,
-            footprint: Footprint::of(simd, picture.pattern),
-            tile: Rectangle {
-                min: corner,
-                max: last,
-            },
-        };
+        let canvas = Canvas::of(simd, picture, [column, row]);
+        let corner = canvas.tile.min;
         let geometry = &picture.geometry;
         let mut met = 0u32;
         for chunk in picture.chunks {
@@ -140,13 +131,9 @@ impl Overlay {
                     footprint,
                     tile,
                 } = canvas;
-                let Some(reached) = seen(corners, place, &picture.grid, picture.pattern) else {
+                let Some(reached) = canvas.reached(corners, place) else {
                     return;
                 };
-                let reached = reached.within(tile.min, tile.max);
-                if reached.is_empty() {
-                    return;
-                }
                 let before = self.hits.len();
                 let target = Recording {
                     samples,
@@ -260,14 +247,6 @@ fn block_corner(tile: [u32; 2], block: u32) -> [u32; 2] {
         tile[0] + block % BLOCK_COLUMNS * BLOCK,
         tile[1] + block / BLOCK_COLUMNS * BLOCK,
     ]
-}
-
-/// What triangles of a tile are recorded on.
-struct Canvas<'a, S: Simd> {
-    picture: &'a Picturing<'a>,
-    footprint: Footprint<S>,
-    /// The picture's pixels.
-    tile: Rectangle,
 }
 
 /// Samples stay as they are.

@@ -101,16 +101,7 @@ impl TileRoom {
     fn raster<S: Simd>(&mut self, simd: S, picture: &Picturing<'_>, [column, row]: [u32; 2]) {
         self.samples.clear(picture.pattern);
         self.triangles.clear();
-        let corner = [column * TILE[0], row * TILE[1]];
-        let last = [corner[0] + TILE[0] - 1, corner[1] + TILE[1] - 1];
-        let canvas = Canvas {
-            picture,
-            footprint: Footprint::of(simd, picture.pattern),
-            tile: Rectangle {
-                min: corner,
-                max: last,
-            },
-        };
+        let canvas = Canvas::of(simd, picture, [column, row]);
         let geometry = &picture.geometry;
         for chunk in picture.chunks {
             let of_tile = chunk.of_tile([column, row], &picture.grid);
@@ -157,17 +148,11 @@ impl TileRoom {
         presence: &P,
     ) {
         let Canvas {
-            picture,
-            footprint,
-            tile,
+            footprint, tile, ..
         } = canvas;
-        let Some(reached) = seen(corners, place, &picture.grid, picture.pattern) else {
+        let Some(reached) = canvas.reached(corners, place) else {
             return;
         };
-        let reached = reached.within(tile.min, tile.max);
-        if reached.is_empty() {
-            return;
-        }
         let mark = Mark {
             layer: place.surface.layer,
             number: self.triangles.drawn.len() as u32,
@@ -280,11 +265,36 @@ impl TileRoom {
 }
 
 /// What triangles of a tile are drawn on.
-struct Canvas<'a, S: Simd> {
-    picture: &'a Picturing<'a>,
-    footprint: Footprint<S>,
+pub(super) struct Canvas<'a, S: Simd> {
+    pub picture: &'a Picturing<'a>,
+    pub footprint: Footprint<S>,
     /// The picture's pixels.
-    tile: Rectangle,
+    pub tile: Rectangle,
+}
+
+impl<'a, S: Simd> Canvas<'a, S> {
+    /// Of tile (`column`, `row`).
+    #[inline(always)]
+    pub fn of(simd: S, picture: &'a Picturing<'a>, [column, row]: [u32; 2]) -> Self {
+        let corner = [column * TILE[0], row * TILE[1]];
+        Self {
+            picture,
+            footprint: Footprint::of(simd, picture.pattern),
+            tile: Rectangle {
+                min: corner,
+                max: [corner[0] + TILE[0] - 1, corner[1] + TILE[1] - 1],
+            },
+        }
+    }
+
+    /// The pixels of the tile that a triangle may cover, if there are any.
+    #[inline(always)]
+    pub fn reached(&self, corners: [Projected; 3], place: Place<'_>) -> Option<Rectangle> {
+        let Self { picture, tile, .. } = self;
+        let reached = seen(corners, place, &picture.grid, picture.pattern)?;
+        let reached = reached.within(tile.min, tile.max);
+        (!reached.is_empty()).then_some(reached)
+    }
 }
 
 /// What a triangle's surface is coated with, if that has holes.
