@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::{Arc, LazyLock};
 use support::pictures::over;
-use support::{ask, ask_kind, ask_ok};
+use support::{ask, ask_kind, ask_ok, case};
 
 static SERVICE: LazyLock<Arc<Service>> = LazyLock::new(support::service);
 
@@ -257,4 +257,31 @@ fn a_turn_that_makes_no_sense_is_refused_by_field() {
     );
     let error = error.expect_err("there is no bone");
     assert!(error.to_string().contains("no bone"), "{error}");
+}
+
+/// A joint limited about one axis alone, whose roll lies within its limits only as the second of its triples of angles.
+#[test]
+fn a_pose_that_was_read_is_within_limits_and_sets_itself_again() {
+    for angle in [-1.8257, 1.8257] {
+        let rig = format!("roll by {angle}");
+        let files = json!([case("course/roll_get.skel")]);
+        ask_ok(&SERVICE, "rig.load", json!({"name": rig, "files": files}));
+        let rolled = turn("pose.roll", &rig, json!({"joint": "b", "angle": angle}));
+        assert_eq!(rolled["clamped"], json!([]));
+        let placed = world_from_joint(&rig);
+        let dofs = ask_ok(&SERVICE, "pose.get", json!({"rig": rig}))["dofs"].clone();
+        let rx = dofs["b.rx"].as_f64().expect("an angle");
+        assert!((-1.0..=1.0).contains(&rx), "{dofs}");
+        let set = |pose: Value| ask_ok(&SERVICE, "pose.set", json!({"rig": rig, "pose": pose}));
+        assert_eq!(set(json!({ "dofs": dofs }))["clamped"], json!([]));
+        for (found, wanted) in world_from_joint(&rig).into_iter().zip(placed) {
+            assert_same(found, wanted, &rig);
+        }
+        // One angle alone, of a rotation that is a quaternion.
+        turn("pose.reset", &rig, json!({}));
+        turn("pose.roll", &rig, json!({"joint": "b", "angle": angle}));
+        assert_eq!(set(json!({"dofs": {"b.ry": 0.25}}))["clamped"], json!([]));
+        let wanted = DQuat::from_rotation_y(0.25);
+        assert!(local_rotation(&rig, "b").angle_between(wanted) < 1e-7);
+    }
 }

@@ -158,12 +158,25 @@ impl Pose {
     fn value(&self, dof: &Dof) -> f64 {
         match dof.kind {
             DofKind::Translation { joint, axis } => self.joints[joint].displacement[axis.index()],
-            DofKind::Rotation { joint, axis } => {
-                let order = self.joint(joint).rotation_order;
-                self.joints[joint].rotation.angles(order)[axis.index()]
-            }
+            DofKind::Rotation { joint, axis } => self.angles(joint)[axis.index()],
             DofKind::Scale { joint, axis } => self.joints[joint].scale[axis.index()],
             DofKind::Morph { morph } => self.morph_weights[morph],
+        }
+    }
+
+    /// About x, y and z. Of those that make a quaternion, the ones that the joint's limits allow, so that they set the same pose again.
+    fn angles(&self, joint: usize) -> DVec3 {
+        let of_joint = self.joint(joint);
+        match self.joints[joint].rotation {
+            Rotation::Quaternion(quaternion) if of_joint.is_limited() => {
+                let order = of_joint.rotation_order;
+                match euler::fit(quaternion, order, &of_joint.rotation_limits) {
+                    Fit::Inside(angles) => angles,
+                    // Limits were ignored when it was set.
+                    Fit::Clamped { asked, .. } => asked,
+                }
+            }
+            rotation => rotation.angles(of_joint.rotation_order),
         }
     }
 
@@ -227,10 +240,9 @@ impl Pose {
                 self.joints[joint].displacement[axis.index()] = value;
             }
             DofKind::Rotation { joint, axis } => {
-                let rotation = &mut self.joints[joint].rotation;
-                let mut angles = rotation.angles(rig.skeleton().joints()[joint].rotation_order);
+                let mut angles = self.angles(joint);
                 angles[axis.index()] = value;
-                *rotation = Rotation::Angles(angles);
+                self.joints[joint].rotation = Rotation::Angles(angles);
             }
             DofKind::Scale { joint, axis } => self.joints[joint].scale[axis.index()] = value,
             DofKind::Morph { morph } => self.morph_weights[morph] = value,
@@ -245,18 +257,12 @@ impl Pose {
         clamped: &mut Vec<Clamped>,
     ) -> Result<(), OutsideLimits> {
         let of_joint = self.joint(joint);
-        let fit = if policy == LimitPolicy::Ignore || !of_joint.is_limited() {
-            Fit::Inside
-        } else {
-            euler::fit(
-                quaternion,
-                of_joint.rotation_order,
-                &of_joint.rotation_limits,
-            )
-        };
+        let is_held = policy != LimitPolicy::Ignore && of_joint.is_limited();
+        let order = of_joint.rotation_order;
+        let fit = is_held.then(|| euler::fit(quaternion, order, &of_joint.rotation_limits));
         self.joints[joint].rotation = match fit {
-            Fit::Inside => Rotation::Quaternion(quaternion),
-            Fit::Clamped { asked, used } => {
+            None | Some(Fit::Inside(_)) => Rotation::Quaternion(quaternion),
+            Some(Fit::Clamped { asked, used }) => {
                 for axis in Axis::ALL {
                     let (asked, used) = (asked[axis.index()], used[axis.index()]);
                     let dof = self.rig.dofs().of_kind(DofKind::Rotation { joint, axis });
@@ -437,5 +443,88 @@ mod tests {
             (values[dof - 2] - 0.4).abs() < 1e-12 && values[dof] == 0.2,
             "{values:?}"
         );
+    }
+
+    /// One joint of each order, with these limits.
+    fn limited(order: RotationOrder, rotation_limits: [Limit; 3]) -> Pose {
+        let draft = Draft {
+            joints: vec![JointDraft {
+                rotation_order: order,
+                rotation_limits,
+                ..JointDraft::default()
+            }],
+            ..Draft::default()
+        };
+        Pose::rest(&Arc::new(
+            draft.build(&Limits::default()).expect("a valid draft"),
+        ))
+    }
+
+    #[test]
+    fn values_that_were_read_set_the_same_pose_again() {
+        const LOCK: Limit = Limit { min: 0.0, max: 0.0 };
+        const fn range(min: f64, max: f64) -> Limit {
+            Limit { min, max }
+        }
+        let patterns = [
+            [Limit::NONE; 3],
+            [range(-1.0, 1.0), Limit::NONE, Limit::NONE],
+            [Limit::NONE, range(-0.5, 0.5), Limit::NONE],
+            [Limit::NONE, range(1.0, 4.0), Limit::NONE],
+            [range(-0.4, 0.4), range(-2.0, 2.0), range(-3.0, 0.0)],
+            [range(3.0, 5.0), Limit::NONE, range(-7.0, -4.0)],
+            [range(11.0, 14.0), range(2.0, 2.5), range(-20.0, -15.0)],
+            [LOCK, LOCK, range(0.0, 2.0)],
+            [range(0.0, f64::INFINITY), Limit::NONE, LOCK],
+        ];
+        // Evenly spread: the additive recurrence of the plastic number's kin.
+        let mut at = glam::DVec4::splat(0.5);
+        let mut random = || {
+            at = (at
+                + glam::DVec4::new(
+                    0.8566748838545029,
+                    0.733891856627126,
+                    0.628706721008,
+                    0.538597,
+                ))
+            .fract();
+            (at - glam::DVec4::splat(0.5)).normalize()
+        };
+        for order in [RotationOrder::Zyx, RotationOrder::Xyz] {
+            for limits in patterns {
+                let rest = limited(order, limits);
+                let dofs: Vec<Dof> = rest.rig.dofs().all().to_vec();
+                for round in 0..10_000 {
+                    let asked = DQuat::from_vec4(random());
+                    let (pose, _) = rest.edited(&turn(0, asked)).expect("clamped");
+                    let alone = round % 3;
+                    let middle = limits[alone].clamp(0.3);
+                    let one_set = PoseEdit {
+                        dofs: vec![(alone, middle)],
+                        ..PoseEdit::default()
+                    };
+                    let (one_set, _) = pose.edited(&one_set).expect("clamped");
+                    for pose in [pose, one_set] {
+                        let values = pose.dof_values();
+                        for (dof, &value) in dofs.iter().zip(&values) {
+                            assert!(dof.limit.contains(value), "{limits:?} {asked}: {values:?}");
+                        }
+                        let again = PoseEdit {
+                            dofs: values.iter().copied().enumerate().collect(),
+                            limits: LimitPolicy::Reject,
+                            ..PoseEdit::default()
+                        };
+                        let (again, _) = rest.edited(&again).expect("inside its limits");
+                        let off = again
+                            .local(0)
+                            .rotation
+                            .angle_between(pose.local(0).rotation);
+                        // Radians: by as much may a quaternion miss a limit, on each axis.
+                        assert!(off < 4e-6, "{limits:?} {asked}: {values:?} {off}");
+                        assert_eq!(again.dof_values(), values);
+                    }
+                }
+            }
+        }
     }
 }

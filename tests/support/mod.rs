@@ -21,7 +21,8 @@ use rigd::service::Service;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
+use std::time::{Duration, Instant};
 
 /// What tests draw with: rigd's own renderer, so that every machine sees the same pictures, or `RIGD_TEST_ADAPTER`.
 pub fn adapter() -> String {
@@ -53,6 +54,14 @@ pub fn service_on(adapter: &str) -> Option<Arc<Service>> {
         // An adapter that is there and does not open is a fault.
         Err(error) => panic!("{error}"),
     }
+}
+
+/// How long this thread has been on a processor, where the system tells: what else the machine has to do does not count.
+pub fn time_at_work() -> Duration {
+    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = told.and_then(|told| told.split(' ').next()?.parse().ok());
+    nanoseconds.map_or_else(|| START.elapsed(), Duration::from_nanos)
 }
 
 /// A line in the test's log also where the test passes: what `println!` prints is then thrown away.
@@ -133,4 +142,12 @@ pub fn ask_kind(service: &Arc<Service>, method: &str, params: Value) -> String {
 /// A file of any bytes, as a request carries it.
 pub fn with_base64(name: &str, bytes: &[u8]) -> Value {
     json!({"name": name, "base64": rigd::protocol::attach::Base64(bytes.to_vec())})
+}
+
+/// A file of `tests/cases`, e.g. `gltf/lights_required.gltf`, as a request carries it.
+pub fn case(path: &str) -> Value {
+    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cases"));
+    let bytes = std::fs::read(folder.join(path)).unwrap_or_else(|error| panic!("{path}: {error}"));
+    let name = path.rsplit('/').next().expect("a name");
+    with_base64(name, &bytes)
 }
