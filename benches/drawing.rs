@@ -160,7 +160,7 @@ impl Side {
 
 fn scene(rig: &LoadedRig, side: u32, closeness: f64) -> Scene {
     let size = Size::new(side, side, &Limits::default()).expect("a size within limits");
-    let distance = Camera::distance_to_fit(&rig.rest_bounds, None, size) / closeness;
+    let distance = Camera::distance_to_fit(&rig.extents.bounds(), None, size) / closeness;
     let orbit = Orbit {
         distance: Some(distance),
         ..Orbit::default()
@@ -168,7 +168,7 @@ fn scene(rig: &LoadedRig, side: u32, closeness: f64) -> Scene {
     Scene {
         size,
         samples: Samples::Four,
-        camera: Camera::orbit(orbit, &rig.rest_bounds, size).expect("a camera"),
+        camera: Camera::orbit(orbit, &rig.extents.bounds(), size).expect("a camera"),
         lights: Light::default_pair(),
         ambient: Scene::DEFAULT_AMBIENT,
         surface: Surface::default(),

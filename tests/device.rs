@@ -89,7 +89,7 @@ fn mixed_plans(rig: &LoadedRig) -> Vec<Plan> {
             let scene = Scene {
                 size,
                 samples,
-                camera: Camera::orbit(orbit, &rig.rest_bounds, size).expect("a camera"),
+                camera: Camera::orbit(orbit, &rig.extents.bounds(), size).expect("a camera"),
                 lights: Light::default_pair(),
                 ambient: Scene::DEFAULT_AMBIENT,
                 surface: Surface::default(),
@@ -99,7 +99,7 @@ fn mixed_plans(rig: &LoadedRig) -> Vec<Plan> {
             };
             let skinning = [Skinning::Linear, Skinning::DualQuaternion][index % 2];
             let posed = Arc::clone(&poses[index % poses.len()]);
-            Plan::picture(posed, skinning, scene, rig.rest_bounds.size())
+            Plan::picture(posed, skinning, scene, rig.extents.bounds().size())
         };
     let vertices = |index: usize, start: usize, count: usize, positions: bool, normals: bool| {
         let query = VertexQuery {

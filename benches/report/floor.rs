@@ -44,7 +44,7 @@ impl<'a> Floor<'a> {
     /// Seconds a picture, as a PNG. A lone one is drawn by all threads, of several each by one.
     pub fn frames(&self, subject: &Subject, shots: Shots, in_flight: usize, count: usize) -> f64 {
         let plan = |index| {
-            let size = subject.loaded.rest_bounds.size();
+            let size = subject.loaded.extents.bounds().size();
             let scene = shots.scene(subject, index);
             Plan::picture(shots.posed(subject, index), Skinning::Linear, scene, size)
         };

@@ -129,7 +129,7 @@ impl Shots {
                 1 => Samples::One,
                 _ => Samples::Four,
             },
-            camera: Camera::orbit(orbit, &subject.loaded.rest_bounds, size).expect("a camera"),
+            camera: Camera::orbit(orbit, &subject.loaded.extents.bounds(), size).expect("a camera"),
             lights: Light::default_pair(),
             ambient: Scene::DEFAULT_AMBIENT,
             surface: Surface::default(),

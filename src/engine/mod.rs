@@ -2,6 +2,7 @@
 
 mod admission;
 mod error;
+mod extents;
 mod pool;
 mod recent;
 mod store;
@@ -10,6 +11,7 @@ mod worker;
 pub use crate::render::{AdapterChoice, AdapterInfo, AdapterKind, Backend};
 pub use admission::{Admission, AttachedBytes, HeldBytes, Share, Ticket};
 pub use error::EngineError;
+pub use extents::Extents;
 pub use store::{LoadedRig, RigRef};
 pub use worker::{Timings, Urgency};
 
@@ -241,7 +243,7 @@ impl Engine {
         terms: Terms,
         done: impl FnOnce(Result<(Frame, Timings), EngineError>) + Send + 'static,
     ) {
-        let plan = Plan::picture(posed, skinning, scene, loaded.rest_bounds.size());
+        let plan = Plan::picture(posed, skinning, scene, loaded.extents.bounds().size());
         self.run(plan, terms, move |result| {
             done(result.and_then(|(outputs, timings)| match outputs {
                 Outputs::Picture(frame) => Ok((frame, timings)),
@@ -260,16 +262,13 @@ impl Engine {
         terms: Terms,
         done: impl FnOnce(Result<(Vec<SkinnedVertices>, Timings), EngineError>) + Send + 'static,
     ) {
-        self.run(
-            Plan::vertices(posed, skinning, shape, queries),
-            terms,
-            move |result| {
-                done(result.and_then(|(outputs, timings)| match outputs {
-                    Outputs::Vertices(vertices) => Ok((vertices, timings)),
-                    Outputs::Picture(_) => Err(EngineError::mismatched()),
-                }));
-            },
-        );
+        let plan = Plan::vertices(posed, skinning, shape, queries);
+        self.run(plan, terms, move |result| {
+            done(result.and_then(|(outputs, timings)| match outputs {
+                Outputs::Vertices(vertices) => Ok((vertices, timings)),
+                Outputs::Picture(_) => Err(EngineError::mismatched()),
+            }));
+        });
     }
 
     /// Looks for what a ray meets first in `posed`. `done` as for [`Engine::render`], though where no skin is asked for it runs at once.

@@ -1,14 +1,12 @@
 //! The loaded rigs by name, each with its stored pose.
 
 use super::EngineError;
+use super::extents::Extents;
 use super::recent::RecentPoses;
 use crate::formats::Loaded;
 use crate::limits::Limits;
-use crate::pose::{Clamped, Pose, Posed, Skinning};
-use crate::render::cpu;
+use crate::pose::{Clamped, Pose, Posed};
 use crate::rig::Rig;
-use crate::scene::{Bounds, Show, ShowSkeleton, ShowSkin};
-use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -21,12 +19,7 @@ pub struct LoadedRig {
     /// Which reader read each file.
     pub dialects: Vec<&'static str>,
     pub rig: Arc<Rig>,
-    /// Of skinned vertices and joints at rest, in world space.
-    pub rest_bounds: Bounds,
-    /// The same and the joints' boxes at rest.
-    with_boxes: Bounds,
-    /// Of vertices as they were modelled; that of the rest where there are none.
-    bind_bounds: Bounds,
+    pub extents: Extents,
     pub(super) recent: RecentPoses,
 }
 
@@ -44,36 +37,15 @@ impl LoadedRig {
         } = loaded;
         let name = name.map_or(stem, str::to_owned);
         let rig = Arc::new(rig);
-        let rest = Posed::new(&Pose::rest(&rig))?;
-        let rest_bounds = bounds_of(&rest);
-        let with_boxes = with_boxes(rest_bounds, &rest);
-        let modelled = rig.meshes().iter().flat_map(|mesh| mesh.positions());
-        let bind_bounds = Bounds::of(modelled.map(|position| position.as_dvec3()));
+        let extents = Extents::of(&Posed::new(&Pose::rest(&rig))?);
         Ok(Self {
             name,
             digest,
             dialects,
             rig,
-            rest_bounds,
-            with_boxes,
-            bind_bounds: bind_bounds.unwrap_or(rest_bounds),
+            extents,
             recent: RecentPoses::default(),
         })
-    }
-
-    /// What the default camera frames, whatever the pose: the rig at rest, with the joints' boxes where these are shown or there is no
-    /// skin, and with the skin as modelled where that is shown.
-    pub fn framed(&self, show: &Show) -> Bounds {
-        let shows_boxes = show.skeleton == ShowSkeleton::Boxes || self.rig.vertex_count() == 0;
-        let at_rest = if shows_boxes {
-            self.with_boxes
-        } else {
-            self.rest_bounds
-        };
-        match show.skin {
-            ShowSkin::Bind => at_rest.and(&self.bind_bounds),
-            ShowSkin::Posed | ShowSkin::None => at_rest,
-        }
     }
 
     /// What was odd in the files, a sentence each.
@@ -236,37 +208,4 @@ fn find(entries: &BTreeMap<String, Entry>, rig: &str) -> Result<(String, RigRef)
             by_digest: name != rig,
         },
     ))
-}
-
-/// Of skinned vertices and joints. A rig without either is a point at the origin.
-fn bounds_of(posed: &Posed) -> Bounds {
-    // Those of linear skinning, also for requests with dual quaternions: a camera must not depend on the way of skinning.
-    let palette = posed.palette(Skinning::Linear);
-    let vertices = posed
-        .rig()
-        .meshes()
-        .iter()
-        .flat_map(|mesh| cpu::skin_mesh(mesh, palette, posed.morph_weights()).0);
-    let joints = posed
-        .world_from_joint()
-        .iter()
-        .map(|world_from_joint| world_from_joint.translation);
-    Bounds::of(
-        vertices
-            .map(|position| Vec3::from_array(position).as_dvec3())
-            .chain(joints),
-    )
-    .unwrap_or(Bounds::ORIGIN)
-}
-
-fn with_boxes(bounds: Bounds, posed: &Posed) -> Bounds {
-    let joints = posed.rig().skeleton().joints().iter();
-    let boxes = joints
-        .zip(posed.world_from_joint())
-        .flat_map(|(joint, world_from_joint)| {
-            let boxes = joint.bounding_box.into_iter();
-            let corners = boxes.flat_map(|[min, max]| Bounds { min, max }.corners());
-            corners.map(|corner| world_from_joint.transform_point3(corner))
-        });
-    Bounds::of(boxes.chain([bounds.min, bounds.max])).unwrap_or(bounds)
 }

@@ -26,15 +26,15 @@ impl Default for Camera {
     }
 }
 
-/// On a sphere about a target. What is left out frames the rig at rest, with what else is shown of it: its joints'
-/// boxes, or its skin as bound.
+/// On a sphere about a target. What is left out frames what is shown of the rig, at rest whatever the pose: its skin, posed or as bound;
+/// its joints and their boxes only where the skeleton is shown or there is no skin.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct Orbit {
-    /// The point to look at. Without it, the middle of the rig's bounds.
+    /// The point to look at. Without it, the middle of what is framed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target: Option<[f64; 3]>,
-    /// From the target to the eye. Without it, as far as it takes to see the whole rig.
+    /// From the target to the eye. Without it, as far as it takes to see all of that.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distance: Option<f64>,
     /// Radians about +Y, from +Z toward +X. Without it, π/6.

@@ -156,8 +156,10 @@ pub struct RigDescription {
     pub morphs: Vec<MorphDescription>,
     /// What `clip` of a pose can name.
     pub clips: Vec<ClipDescription>,
-    /// Of the skinned vertices and the joints at rest.
-    pub bounds: Bounds,
+    /// Of the rig at rest: where it says that they are of `vertices`, those that are skinned, else the joints.
+    pub bounds: RigBounds,
+    /// Of the origins of all joints at rest, also of those that move nothing; null where there are none.
+    pub joint_bounds: Option<Bounds>,
 }
 
 /// One joint, as the file has it.
@@ -275,6 +277,23 @@ pub struct ClipDescription {
     pub range: [f64; 2],
     /// Degrees of freedom that it sets.
     pub channel_count: u64,
+}
+
+/// A box along the axes of its space, in the rig's units, and what is in it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RigBounds {
+    pub of: BoundsOf,
+    #[serde(flatten)]
+    pub bounds: Bounds,
+}
+
+/// What a rig is measured by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BoundsOf {
+    Vertices,
+    /// Of a rig that has no vertices.
+    Joints,
 }
 
 /// A box along the axes of its space, in the rig's units.

@@ -1,6 +1,6 @@
 //! From rigs and values of ours to their descriptions on the wire, for several families of methods.
 
-use crate::engine::{EngineError, LoadedRig, RigRef};
+use crate::engine::{EngineError, Extents, LoadedRig, RigRef};
 use crate::formats::{self, FileRef, Source};
 use crate::limits::Limits;
 use crate::pose::Clamped;
@@ -109,7 +109,8 @@ pub(super) fn description(found: &RigRef) -> wire::RigDescription {
                 channel_count: clip.channels.iter().map(dofs_set).sum(),
             })
             .collect(),
-        bounds: bounds(&found.loaded.rest_bounds),
+        bounds: rig_bounds(&found.loaded.extents),
+        joint_bounds: found.loaded.extents.joints().as_ref().map(bounds),
     }
 }
 
@@ -130,6 +131,17 @@ pub(super) fn parts(rig: &Rig, mesh: &Mesh) -> Vec<MeshPart> {
 
 pub(super) fn material_name(rig: &Rig, material: Option<usize>) -> Option<String> {
     material.map(|index| rig.materials()[index].name.clone())
+}
+
+fn rig_bounds(extents: &Extents) -> wire::RigBounds {
+    let of = match extents.skin() {
+        Some(_) => wire::BoundsOf::Vertices,
+        None => wire::BoundsOf::Joints,
+    };
+    wire::RigBounds {
+        of,
+        bounds: bounds(&extents.bounds()),
+    }
 }
 
 pub(super) fn bounds(bounds: &Bounds) -> wire::Bounds {

@@ -50,7 +50,7 @@ impl Call {
                     wire::Samples::One => Samples::One,
                     wire::Samples::Four => Samples::Four,
                 },
-                camera: of_camera(&params.camera, &rig.framed(&show), size)?,
+                camera: of_camera(&params.camera, &rig.extents.framed(&show), size)?,
                 lights,
                 ambient: params
                     .ambient

@@ -6,7 +6,7 @@ use super::{builtin, printable};
 use crate::formats::Source;
 use crate::limits::Limits;
 use crate::protocol::rig::{
-    DofDescription, DofKind, MeshDescription, MorphDescription, RigDescription,
+    BoundsOf, DofDescription, DofKind, MeshDescription, MorphDescription, RigBounds, RigDescription,
 };
 use crate::service::describe_files;
 use clap::Args;
@@ -45,8 +45,13 @@ fn text(rig: &RigDescription) -> Result<String, std::fmt::Error> {
         counted(summary.triangle_count, "triangle"),
     ];
     writeln!(text, "{}", counts.join(", "))?;
-    let (min, max) = (rig.bounds.min, rig.bounds.max);
-    writeln!(text, "bounds at rest {min:.4?} .. {max:.4?}")?;
+    let RigBounds { of, bounds } = rig.bounds;
+    let of = match of {
+        BoundsOf::Vertices => "vertices",
+        BoundsOf::Joints => "joints",
+    };
+    let (min, max) = (bounds.min, bounds.max);
+    writeln!(text, "bounds of {of} at rest {min:.4?} .. {max:.4?}")?;
 
     let materials = rig.materials.iter().map(|material| {
         let texture = material.texture.as_deref();

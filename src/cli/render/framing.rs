@@ -4,9 +4,9 @@
 use crate::cli::local;
 use crate::protocol::blob::ArrayTransport;
 use crate::protocol::camera::{Camera as WireCamera, Orbit};
-use crate::protocol::frame::FrameParams;
+use crate::protocol::frame::{FrameParams, ShowSkeleton, ShowSkin};
 use crate::protocol::mesh::{VertexState, Vertices, VerticesParams};
-use crate::protocol::pose::{Pose, Transforms, TransformsParams};
+use crate::protocol::pose::{JointTransform, Pose, Transforms, TransformsParams};
 use crate::scene::{Bounds, Camera, Size};
 use crate::service::Service;
 use glam::DVec3;
@@ -48,22 +48,47 @@ pub(super) fn frame_clip(
     Ok(())
 }
 
-/// Points that have in their midst what the rig is in a pose: the corners of its skin's bounds, and its joints.
+/// Points that have in their midst what is shown of the rig in a pose: the corners of its skin's bounds, and its joints where they are
+/// shown or there is no skin.
 fn extent(request: &FrameParams, pose: Pose, service: &Arc<Service>) -> anyhow::Result<Vec<DVec3>> {
+    let mut points = Vec::new();
+    if request.show.skin != ShowSkin::None {
+        points.extend(corners_of_skin(request, pose.clone(), service)?);
+    }
+    if request.show.skeleton != ShowSkeleton::None || points.is_empty() {
+        points.extend(origins_of_joints(request, pose, service)?);
+    }
+    Ok(points)
+}
+
+fn origins_of_joints(
+    request: &FrameParams,
+    pose: Pose,
+    service: &Arc<Service>,
+) -> anyhow::Result<Vec<DVec3>> {
     let params = TransformsParams {
         rig: request.rig.clone(),
-        pose: pose.clone(),
+        pose,
     };
     let (transforms, _) = local::ask::<_, Transforms>(service, "joint.transforms", &params)?;
-    let origins = transforms.joints.iter();
-    let mut points: Vec<DVec3> = origins
-        .map(|joint| DVec3::from_slice(&joint.world_from_joint[12..15]))
-        .collect();
+    let origin = |joint: &JointTransform| DVec3::from_slice(&joint.world_from_joint[12..15]);
+    Ok(transforms.joints.iter().map(origin).collect())
+}
+
+/// None where there is no skin.
+fn corners_of_skin(
+    request: &FrameParams,
+    pose: Pose,
+    service: &Arc<Service>,
+) -> anyhow::Result<Vec<DVec3>> {
     let params = VerticesParams {
         rig: request.rig.clone(),
         pose,
         skinning: request.skinning,
-        state: VertexState::Posed,
+        state: match request.show.skin {
+            ShowSkin::Bind => VertexState::Bind,
+            ShowSkin::Posed | ShowSkin::None => VertexState::Posed,
+        },
         // Bounds alone.
         attributes: Vec::new(),
         mesh: None,
@@ -71,8 +96,7 @@ fn extent(request: &FrameParams, pose: Pose, service: &Arc<Service>) -> anyhow::
         transport: ArrayTransport::Attach,
     };
     let (vertices, _) = local::ask::<_, Vertices>(service, "mesh.vertices", &params)?;
-    if vertices.meshes.iter().any(|mesh| mesh.vertex_count > 0) {
-        points.extend([vertices.bounds.min, vertices.bounds.max].map(DVec3::from_array));
-    }
-    Ok(points)
+    let corners = [vertices.bounds.min, vertices.bounds.max].map(DVec3::from_array);
+    let has_skin = vertices.meshes.iter().any(|mesh| mesh.vertex_count > 0);
+    Ok(corners.into_iter().filter(|_| has_skin).collect())
 }

@@ -357,7 +357,8 @@ fn other_results_fit_their_schemas_and_wrong_ones_do_not() {
         "meshes": [{"name": "skin", "vertex_count": 0, "triangle_count": 0, "material": "fur", "parts": [{"triangle_count": 0, "material": "fur"}], "has_texcoords": true}],
         "materials": [{"name": "fur", "texture": null, "color": [1.0, 0.5, 0.25, 1.0], "opacity": "blend", "single_sided": false, "unlit": false}],
         "morphs": [], "clips": [],
-        "bounds": {"min": [0.0, 0.0, 0.0], "max": [1.0, 1.0, 1.0]},
+        "bounds": {"of": "vertices", "min": [0.0, 0.0, 0.0], "max": [1.0, 1.0, 1.0]},
+        "joint_bounds": null,
     });
     let members = description.as_object_mut().unwrap();
     members.extend(summary.as_object().unwrap().clone());
@@ -370,6 +371,7 @@ fn other_results_fit_their_schemas_and_wrong_ones_do_not() {
             "/dofs/0/min",
             "/dofs/0/kind",
             "/bounds",
+            "/bounds/of",
             "/clips",
         ],
     );
