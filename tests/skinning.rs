@@ -4,6 +4,8 @@
 mod collapse;
 #[path = "skinning/made.rs"]
 mod made;
+#[path = "skinning/mirrored.rs"]
+mod mirrored;
 #[path = "skinning/noticed.rs"]
 mod noticed;
 #[path = "skinning/reference.rs"]

@@ -20,7 +20,7 @@ use crate::frame::{Frame, SkinnedVertices};
 use crate::limits::Limits;
 use crate::pick::{self, Hit, Targets};
 use crate::pose::{Clamped, Pose, PoseEdit, Posed, Skinning};
-use crate::render::{self, Capabilities, Outputs, Plan};
+use crate::render::{self, Capabilities, Outputs, Plan, turn_outward};
 use crate::scene::{BoneRadius, Cull, Ray, Scene, Shape, VertexQuery};
 use pool::Pool;
 use std::num::NonZeroUsize;
@@ -262,10 +262,17 @@ impl Engine {
         terms: Terms,
         done: impl FnOnce(Result<(Vec<SkinnedVertices>, Timings), EngineError>) + Send + 'static,
     ) {
+        let asked = queries.clone();
         let plan = Plan::vertices(posed, skinning, shape, queries);
+        let instance = plan.instances[0].clone();
         self.run(plan, terms, move |result| {
             done(result.and_then(|(outputs, timings)| match outputs {
-                Outputs::Vertices(vertices) => Ok((vertices, timings)),
+                Outputs::Vertices(mut vertices) => {
+                    for (query, skinned) in asked.iter().zip(&mut vertices) {
+                        turn_outward(&instance, query, skinned);
+                    }
+                    Ok((vertices, timings))
+                }
                 Outputs::Picture(_) => Err(EngineError::mismatched()),
             }));
         });

@@ -1,6 +1,6 @@
 //! What each binding of a rig does to the vertices that follow it, in the form that a way of skinning wants.
 
-use crate::rig::Rig;
+use crate::rig::{Influence, Rig};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec4};
 
 /// How a vertex follows several joints.
@@ -61,6 +61,24 @@ impl Palette {
             Self::Linear(_) => Skinning::Linear,
             Self::DualQuaternion(_) => Skinning::DualQuaternion,
         }
+    }
+
+    /// Whether the matrix that these influences come to turns left into right: its determinant is negative. A rigid motion never does, so
+    /// that of dual quaternions the stretch alone counts.
+    pub fn mirrors(&self, influences: &[Influence]) -> bool {
+        let (rows_of_entry, first_row) = match self {
+            Self::Linear(_) => (3, 0),
+            Self::DualQuaternion(_) => (5, 2),
+        };
+        let mut sums = [DVec3::ZERO; 3];
+        for influence in influences {
+            let first = influence.binding as usize * rows_of_entry + first_row;
+            for (sum, row) in sums.iter_mut().zip(&self.rows()[first..]) {
+                *sum += row.truncate().as_dvec3() * f64::from(influence.weight);
+            }
+        }
+        let [x, y, z] = sums;
+        x.dot(y.cross(z)) < 0.0
     }
 
     /// All entries one after another, as a shader reads them.

@@ -8,6 +8,7 @@ mod cull;
 pub mod gpu;
 mod order;
 mod outputs;
+mod outward;
 mod plan;
 mod renderer;
 mod skeleton;
@@ -16,6 +17,7 @@ mod view;
 
 pub use adapter::{AdapterChoice, AdapterError, AdapterInfo, AdapterKind, Backend, Capabilities};
 pub use outputs::{Outputs, RenderError};
+pub use outward::turn_outward;
 pub use plan::{Instance, Picture, Plan, Wanted};
 pub use renderer::{Renderer, adapters};
 pub use skeleton::{Segment, SkeletonView};

@@ -7,7 +7,7 @@
 //!    are averaged as dual quaternions whose signs agree with that of the vertex' first influence, and made unit; position
 //!    `motion(S · p)`; normal `rotation(normalize(cofactor(S) · n))`. A normal that comes to nothing is the one before. The cofactor
 //!    matrix has the cross products of the columns as its columns, which is right under any scale, and turns normals over with the
-//!    winding where the matrix mirrors.
+//!    winding where the matrix mirrors. Drawing wants them so; what a query returns is turned back, by [`turn_outward`](super::turn_outward).
 //! 2. **Raster**: corners rounded to 1/256 pixel; standard 4-sample positions, or the pixel's center; a sample on an edge belongs to the
 //!    triangle whose top or left edge it is; depth is reversed, the nearest wins, of equal ones the first; what cannot be seen of closed
 //!    skin is culled, all else is two-sided.
