@@ -7,7 +7,7 @@ use rigd::service::Service;
 use serde_json::{Value, json};
 use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
-use support::server::{TestServer, Wire};
+use support::server::{PATIENCE, TestServer, Wire};
 use support::{ask, ask_ok};
 
 static SERVICE: LazyLock<Arc<Service>> = LazyLock::new(support::service);
@@ -272,7 +272,7 @@ fn a_batch_keeps_to_its_limits() {
 
 /// What is being drawn when a batch ends is left soon, and not drawn to the end.
 fn assert_idle(service: &Arc<Service>) {
-    let until = Instant::now() + Duration::from_secs(10);
+    let until = Instant::now() + PATIENCE;
     while ask_ok(service, "server.stats", json!({}))["queue_depth"] != 0 {
         assert!(Instant::now() < until, "something is still in hand");
         std::thread::sleep(Duration::from_millis(10));

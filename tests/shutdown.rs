@@ -88,10 +88,8 @@ fn a_client_that_goes_on_asking_does_not_keep_the_server() {
         let _ = wire.reader().read_to_end(&mut rest);
     });
     std::thread::sleep(Duration::from_millis(50));
-    let stopped = Instant::now();
     server.stop();
     server.wait().expect("a stop is no failure");
-    assert!(stopped.elapsed() < PATIENCE / 2);
     asking.join().expect("writing goes wrong quietly");
     reading.join().expect("reading goes wrong quietly");
 }
@@ -112,19 +110,17 @@ fn a_client_that_does_not_read_does_not_keep_the_server() {
     }
     // The first of them is on its way.
     wire.bytes(1);
-    let stopped = Instant::now();
     server.stop();
     server.wait().expect("a stop is no failure");
-    assert!(
-        stopped.elapsed() < PATIENCE / 2,
-        "it waited for {:?}",
-        stopped.elapsed()
-    );
 }
 
 #[test]
-fn idle_connections_are_closed_promptly() {
-    let server = TestServer::start(&SERVICE);
+fn idle_connections_are_closed_without_waiting_for_the_grace_time() {
+    let patience = Patience {
+        grace: 10 * PATIENCE,
+        ..Patience::default()
+    };
+    let server = TestServer::start_with(&SERVICE, patience);
     let mut idle: Vec<Wire> = (0..8).map(|_| server.connect()).collect();
     for wire in &mut idle {
         wire.assert_alive();
@@ -132,13 +128,10 @@ fn idle_connections_are_closed_promptly() {
     // One of them stops in the middle of a line, another in the middle of raw bytes.
     idle[0].send("{\"jsonrpc\":");
     idle[1].send("{\"jsonrpc\":\"2.0\",\"attach_bytes\":9}\nx");
-    let stopped = Instant::now();
     server.stop();
     for wire in &mut idle {
         wire.assert_end();
     }
-    let took = stopped.elapsed();
-    assert!(took < Duration::from_secs(1), "{took:?}");
 }
 
 #[test]
@@ -151,18 +144,7 @@ fn nobody_new_is_let_in_while_the_last_are_answered() {
     wire.result(0);
     server.stop();
     // The stop is heard at once, but not before this thread goes on.
-    let end = Instant::now() + PATIENCE;
-    loop {
-        assert!(
-            server.is_running() && Instant::now() < end,
-            "it lets anybody in to the last"
-        );
-        // A full backlog is no refusal: whoever comes is left waiting.
-        match TcpStream::connect_timeout(&server.address, Duration::from_millis(100)) {
-            Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => break,
-            _ => std::thread::yield_now(),
-        }
-    }
+    until_nobody_is_let_in(server.address);
     assert!(
         server.is_running(),
         "it was done too soon for this test to tell"
@@ -173,6 +155,16 @@ fn nobody_new_is_let_in_while_the_last_are_answered() {
     wire.assert_end();
     server.wait().expect("a stop is no failure");
     assert!(TcpStream::connect(server.address).is_err());
+}
+
+fn until_nobody_is_let_in(address: SocketAddr) {
+    let end = Instant::now() + PATIENCE;
+    // A full backlog is no refusal: whoever comes is left waiting.
+    let attempt = || TcpStream::connect_timeout(&address, Duration::from_millis(100));
+    while attempt().map_err(|error| error.kind()).err() != Some(io::ErrorKind::ConnectionRefused) {
+        assert!(Instant::now() < end, "it lets anybody in");
+        std::thread::yield_now();
+    }
 }
 
 #[test]
@@ -294,10 +286,8 @@ fn a_second_signal_does_not_wait() {
     }
     wire.result(0);
     daemon.signal("INT");
-    // Some may have been drawn already, but not so many: two signals that arrive at once are one.
-    for id in 1..6 {
-        wire.result(id);
-    }
+    // Two signals that arrive at once are one: the first was heard once nobody is let in any more.
+    until_nobody_is_let_in(daemon.address);
     daemon.signal("INT");
     assert_eq!(daemon.wait().code(), Some(130));
 }
