@@ -181,7 +181,8 @@ def on_wing(s, t, side):
             trail = z_inner + (z_outer - z_inner) * f + 0.07 * math.sin(math.pi * f)
             break
     thick = (0.02 * (1.0 - t) + 0.005) * (1.0 - 0.6 * s) * (0.0 if t in (0.0, 1.0) else 1.0)
-    return [lead[0], lead[1] - 0.05 * math.sin(math.pi * t) + side * thick, lead[2] + (trail - lead[2]) * t]
+    sag = 0.14 * (lead[2] - trail) * math.sin(math.pi * t)
+    return [lead[0], lead[1] - sag + side * thick, lead[2] + (trail - lead[2]) * t]
 
 
 def wing_weights(s):

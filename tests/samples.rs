@@ -76,7 +76,7 @@ fn they_load_without_a_warning_and_enclose_a_volume() {
         let mesh = &loaded.rig.meshes()[0];
         let outward = mesh.parts()[0].sides.outward_count();
         let all = mesh.triangles().len();
-        // Normals turn a few where a shape ends in a point.
+        // Normals turn those of sharp edges and of ends that lie inside another piece.
         assert!(
             outward.is_some_and(|outward| outward > all - all / 200),
             "{name}: {outward:?} of {all}"
