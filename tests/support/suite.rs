@@ -151,7 +151,7 @@ pub fn suite() -> Vec<(&'static str, Value)> {
         (
             "drake_flap",
             drake(
-                json!({"pose": {"base": "rest", "clip": {"name": "flap", "time": 0.1}, "dofs": {"morph.smile": 1, "morph.blink": 1}}}),
+                json!({"pose": {"base": "rest", "clip": {"name": "flap", "time": 0.1}, "dofs": {"hips.ty": 0, "morph.smile": 1, "morph.blink": 1}}}),
             ),
         ),
         (
