@@ -1,6 +1,6 @@
 #!/bin/sh
 # demo.sh RIGD SHEET OUT: starts the daemon RIGD, asks it for pictures, vertices and answers about the built-in figure over TCP, lets the
-# client SHEET lay some out in one picture, and leaves everything in the folder OUT.
+# client SHEET lay some out in one picture, draws rigs of assets/, and leaves everything in the folder OUT.
 set -eu
 
 rigd=$1
@@ -48,9 +48,13 @@ kill -TERM "$daemon"
 wait "$daemon"
 trap - EXIT
 
-# Without a daemon: the whole clip as an animation.
+# Without a daemon: the whole clip as an animation, and rigs from files, as the README shows them.
 "$rigd" render -o "$out/walk.gif" --clip walk --fps 25 --size 240x320 --set pelvis.tz=0 --camera=-50deg,8deg >/dev/null
+"$rigd" render assets/cse169/drake/drake.rig -o "$out/drake.png" --size 320x240 --camera 45deg,10deg,2.5 --morph smile=1 --set wing_l.rz=50deg \
+    >/dev/null
+"$rigd" render assets/mit6837/bear/* -o "$out/bear.png" --size 320x240 --camera 25deg,8deg,2.2 --skeleton sticks --skin-opacity 0.6 \
+    --set arm_l.rz=50deg >/dev/null
 
-for file in sheet.png stride.png bones.png vertices.f32 pick.json walk.gif; do
+for file in sheet.png stride.png bones.png vertices.f32 pick.json walk.gif drake.png bear.png; do
     echo "$out/$file  $(wc -c <"$out/$file") bytes"
 done

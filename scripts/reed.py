@@ -13,8 +13,9 @@ import json
 import math
 import struct
 import sys
-import zlib
 from pathlib import Path
+
+import png
 
 OUT = Path(__file__).resolve().parent.parent / "assets" / "gltf" / "reed.glb"
 
@@ -320,19 +321,6 @@ def crown(document):
     return {"name": "crown", "primitives": [leaves, bud]}
 
 
-def png(width, height, channels, pixel):
-    """A PNG file of 8 bits; `pixel` gives bytes for a column and a row."""
-    rows = b"".join(
-        b"\0" + bytes(byte for column in range(width) for byte in pixel(column, row)) for row in range(height)
-    )
-
-    def chunk(kind, content):
-        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
-
-    header = struct.pack(">IIBBBBB", width, height, 8, {3: 2, 4: 6}[channels], 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b"")
-
-
 def skin_pixel(column, row):
     """A pot, a stem with bands and a head with a face; 64 by 64."""
     t = (1.0 - (row + 0.5) / 64) * LAST
@@ -365,9 +353,9 @@ def leaf_pixel(column, row):
 
 
 def materials(document):
-    skin = document.image("skin", png(64, 64, 3, skin_pixel))
-    furrows = document.image("furrows", png(32, 4, 3, furrows_pixel))
-    leaf = document.image("leaf", png(32, 32, 4, leaf_pixel))
+    skin = document.image("skin", png.encode(64, 64, 3, skin_pixel))
+    furrows = document.image("furrows", png.encode(32, 4, 3, furrows_pixel))
+    leaf = document.image("leaf", png.encode(32, 32, 4, leaf_pixel))
     textures = [{"sampler": 0, "source": image} for image in (skin, furrows, leaf)]
     return textures, [
         {

@@ -11,12 +11,13 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
 use support::pictures::{Image, ask_attached, difference, draw, over};
-use support::suite::{base, load_corners, load_reed, suite};
+use support::suite::{base, load_corners, load_reed, load_samples, suite};
 
 static SERVICE: LazyLock<Arc<Service>> = LazyLock::new(|| {
     let service = support::service_on("cpu").expect("it needs nothing");
     load_corners(&service);
     load_reed(&service);
+    load_samples(&service);
     service
 });
 

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use std::sync::{Arc, LazyLock};
 use support::alike::{self, ALIKE, SHARE_OF_ALL, is_on_an_edge};
 use support::pictures::{Image, Mismatch, ask_attached, attached_bytes, draw, matches, over};
-use support::suite::{base, load_corners, load_reed, suite};
+use support::suite::{base, load_corners, load_reed, load_samples, suite};
 use support::{ask_ok, note};
 
 /// Share of a position or normal: a few steps of float32, summed in another order.
@@ -22,6 +22,7 @@ static TWINS: LazyLock<Option<[Arc<Service>; 2]>> = LazyLock::new(|| {
     ];
     twins.iter().for_each(load_corners);
     twins.iter().for_each(load_reed);
+    twins.iter().for_each(load_samples);
     Some(twins)
 });
 

@@ -5,6 +5,7 @@ use super::pictures::over;
 use super::{ask_ok, with_base64};
 use rigd::service::Service;
 use serde_json::{Value, json};
+use std::path::Path;
 use std::sync::Arc;
 
 /// A square wall that wears a picture of four different corners and a diagonal.
@@ -38,6 +39,41 @@ pub fn load_reed(service: &Arc<Service>) {
     ask_ok(service, "rig.load", json!({"files": files}));
 }
 
+/// The rigs of the courses' formats.
+pub fn load_samples(service: &Arc<Service>) {
+    let load = |folder: &str, files: &[&str]| {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("assets")
+            .join(folder);
+        let inline =
+            |name: &&str| with_base64(name, &std::fs::read(folder.join(name)).expect("a file"));
+        let files: Vec<Value> = files.iter().map(inline).collect();
+        ask_ok(service, "rig.load", json!({"files": files}));
+    };
+    load("cse169/drake", &DRAKE);
+    load("mit6837/bear", &BEAR);
+}
+
+/// The list of files comes first, for the rig has its name.
+pub const DRAKE: [&str; 9] = [
+    "drake.rig",
+    "drake.skel",
+    "drake.skin",
+    "drake.png",
+    "smile.morph",
+    "blink.morph",
+    "puff.morph",
+    "walk.anim",
+    "flap.anim",
+];
+pub const BEAR: [&str; 3] = ["bear.skel", "bear.obj", "bear.attach"];
+
+/// The drake from the front left, its picture as it is.
+fn drake(changes: Value) -> Value {
+    let before = json!({"kind": "look_at", "eye": [1.9, 1.2, 2.4], "target": [0, 0.55, -0.1], "fov_y": 0.55});
+    over(base(json!({"rig": "drake", "camera": before})), changes)
+}
+
 /// The reed as its file has it.
 fn reed(changes: Value) -> Value {
     let before =
@@ -67,7 +103,7 @@ fn fill() -> Value {
     json!({"kind": "directional", "direction": [-0.9, -0.1, 0.2], "color": [0.4, 0.6, 1], "intensity": 0.6})
 }
 
-/// Name and request of each; [corners](load_corners) and [reed](load_reed) are loaded beside the figure.
+/// Name and request of each; [corners](load_corners), [reed](load_reed) and [samples](load_samples) are loaded beside the figure.
 pub fn suite() -> Vec<(&'static str, Value)> {
     let show = |skin: &str, skeleton: &str, opacity: f64| json!({"show": {"skin": skin, "skeleton": skeleton, "skin_opacity": opacity, "normals": "smooth"}});
     let point = |falloff: &str| json!({"lights": [{"kind": "point", "position": [0.7, 1.7, 0.8], "color": [1, 0.8, 0.5], "intensity": 0.9, "falloff": falloff}]});
@@ -109,6 +145,21 @@ pub fn suite() -> Vec<(&'static str, Value)> {
             "reed_translucent",
             reed(
                 json!({"show": {"skin": "posed", "skeleton": "sticks", "skin_opacity": 0.5, "normals": "flat"}}),
+            ),
+        ),
+        ("drake_rest", drake(json!({}))),
+        (
+            "drake_flap",
+            drake(
+                json!({"pose": {"base": "rest", "clip": {"name": "flap", "time": 0.1}, "dofs": {"hips.ty": 0, "morph.smile": 1, "morph.blink": 1}}}),
+            ),
+        ),
+        (
+            "bear_waves",
+            base(
+                json!({"rig": "bear", "pose": {"base": "rest", "dofs": {"arm_l.rz": 0.9, "forearm_l.rz": 0.6, "head.rz": 0.2}},
+                "camera": {"kind": "look_at", "eye": [0.8, 0.8, 2], "target": [0, 0.52, 0], "fov_y": 0.6},
+                "show": {"skin": "posed", "skeleton": "sticks", "skin_opacity": 0.6, "normals": "smooth"}}),
             ),
         ),
         ("camera_orbit", base(json!({"camera": orbit}))),
