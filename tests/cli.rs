@@ -389,6 +389,10 @@ fn warnings_are_an_exit_code_where_that_is_asked_for() {
         (&[&strict[..], &["odd.skel"]].concat(), 3),
         (&[&strict[..], &["--set", "head.rx=200deg"]].concat(), 3),
         (&[&strict[..], &["--camera", "30,20"]].concat(), 3),
+        (
+            &[&strict[..], &["--morph=smile=1", "--set=morph.smile=0"]].concat(),
+            3,
+        ),
         (&[&strict[..], &["--set", "head.rx=1deg"]].concat(), 0),
     ] {
         let output = rigd(arguments);

@@ -17,6 +17,9 @@ pub(in crate::cli) struct RenderArgs {
     pub files: Vec<String>,
     #[command(flatten)]
     pub renderer: RendererArgs,
+    /// End with exit code 3 where there were warnings; what was asked for is written all the same
+    #[arg(long)]
+    pub strict: bool,
     #[command(flatten)]
     pub output: OutputArgs,
     #[command(flatten)]
@@ -29,9 +32,6 @@ pub(in crate::cli) struct RenderArgs {
     pub look: LookArgs,
     #[command(flatten)]
     pub light: LightArgs,
-    /// End with exit code 3 where there were warnings; what was asked for is written all the same
-    #[arg(long)]
-    pub strict: bool,
 }
 
 const SEQUENCES: &str = "\

@@ -72,7 +72,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
         rig: request.rig.clone(),
     };
     let (rig, _) = local::ask::<_, RigDescription>(&service, "rig.describe", &params)?;
-    args.check_angles(&rig, &mut warnings)?;
+    args.check_numbers(&rig, &mut warnings)?;
     let clamps = Clamps::new(args, &rig);
     let draw = || {
         let shots = Shots::new(args, motion, rate, request, &rig, &service)?;

@@ -3,18 +3,18 @@
 
 use super::args::RenderArgs;
 use crate::cli::terminal::Warnings;
-use crate::cli::values::{Assignment, Unit, decimal};
+use crate::cli::values::{Assignment, Unit, Weight, decimal};
 use crate::protocol::pose::Clamped;
 use crate::protocol::rig::{DofDescription, DofKind, RigDescription};
 use anyhow::bail;
 use std::collections::BTreeSet;
 
 impl RenderArgs {
-    /// Doubts about angles without a unit.
+    /// Doubts about angles without a unit, and what is typed in vain.
     ///
     /// # Errors
     /// Where an angle was typed for what is none.
-    pub(super) fn check_angles(
+    pub(super) fn check_numbers(
         &self,
         rig: &RigDescription,
         warnings: &mut Warnings,
@@ -39,12 +39,33 @@ impl RenderArgs {
                 bail!("--set {dof}: expected {of}, but found the angle {found}");
             }
         }
+        let dofs = self.pose.assignments.iter().map(|set| set.dof.clone());
+        let weights = self.pose.morphs.iter().map(Weight::dof);
+        warn_of_repeats("--set", dofs.clone(), warnings);
+        warn_of_repeats("--morph", weights.clone(), warnings);
+        for dof in dofs.filter(|dof| weights.clone().any(|weight| weight == *dof)) {
+            warnings.tell(&format!("--set {dof}: --morph gives it too, and holds"));
+        }
+        let joints = self.pose.rotations.iter().map(|turn| turn.joint.clone());
+        warn_of_repeats("--rotate", joints, warnings);
         let view = self.camera.camera;
         let angles = view.map(|view| [view.azimuth, view.inclination]);
         for doubt in angles.iter().flatten().filter_map(|angle| angle.doubt()) {
             warnings.tell(&format!("--camera: {doubt}"));
         }
         Ok(())
+    }
+}
+
+/// Of several values for one name the last one holds.
+fn warn_of_repeats(option: &str, names: impl Iterator<Item = String>, warnings: &mut Warnings) {
+    let mut seen = BTreeSet::new();
+    for name in names {
+        if let Some(name) = seen.replace(name) {
+            warnings.tell(&format!(
+                "{option} is given more than once for {name}; the last one holds"
+            ));
+        }
     }
 }
 
