@@ -53,6 +53,8 @@
 //! - Skinning happens once for a pose, into one buffer that pictures and queries read: both are of the same pose.
 
 #![forbid(unsafe_code)]
+// They panic where nobody reads on or a disk is full; `cli::terminal` does not.
+#![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod cli;
 pub mod client;

@@ -107,6 +107,8 @@ fn every_option_changes_the_picture() {
         &["--camera=-0.5,0.3,4"],
         &["--target", "0,2,0"],
         &["--fov", "20deg"],
+        &["--eye", "0,1,3"],
+        &["--ortho", "2"],
         &["--skin", "bind"],
         &["--skin", "none"],
         &["--skeleton", "wireframe", "--skin-opacity", "0.3"],
@@ -207,7 +209,11 @@ fn an_animation_of_one_frame_is_one() {
     let still = drawn("single.png", &[]);
     render("single.apng", &[]);
     assert_eq!(apng_frames("single.apng"), [still.into_raw()]);
-    render("single.GIF", &[]);
+    let said = render("single.GIF", &[]);
+    assert!(
+        said.starts_with("single.GIF (a single frame of 48x40, "),
+        "{said}"
+    );
     assert_eq!(gif_frames("single.GIF").len(), 1);
 }
 
@@ -218,8 +224,8 @@ fn nothing_is_left_of_a_file_that_failed() {
         // Found at the first frame.
         (&["--set", "head.rX=1"][..], "failed.gif"),
         (&["--set", "head.rX=1"], "failed.png"),
-        // A field of view past a half turn.
-        (&["--turntable", "3", "--fov", "4"], "failed.apng"),
+        // An eye too far away.
+        (&["--turntable", "3", "--target", "1e13,0,0"], "failed.apng"),
     ];
     for (arguments, name) in failing {
         std::fs::write(folder().join(name), kept).expect("a file");
@@ -279,26 +285,215 @@ fn files_are_inspected_without_graphics() {
     let tree = text(&rigd(&["inspect"]).stdout);
     for line in [
         "meshes\n└─ mesh_0: 5961 vertices, 9914 triangles, material skin, texture coordinates\n",
-        "joints\n└─ pelvis\n   │   .tx .ty .tz = 0.0000 0.0000 0.0000\n",
-        "   ├─ spine\n   │  │   .rx = -2.0°  in -20.0° .. 40.0°\n",
+        "joints\n└─ pelvis\n   │   .tx .ty .tz = 0 0 0\n",
+        "   ├─ spine\n   │  │   .rx = -2deg  in -20deg .. 40deg\n",
     ] {
         assert!(tree.contains(line), "{line}\nis not in\n{tree}");
     }
 }
 
+/// Command lines that print something, each in a way of its own.
+const PRINTING: &[&[&str]] = &[
+    &["openrpc"],
+    &["doctor", "--adapter", "cpu"],
+    &["inspect"],
+    &["inspect", "--json"],
+    &["--help"],
+    &["render", "--help"],
+    &["--version"],
+    &[
+        "render",
+        "-o",
+        "printing.png",
+        "--size",
+        "8",
+        "--adapter",
+        "cpu",
+    ],
+    &["render", "-o", "-", "--size", "8", "--adapter", "cpu"],
+];
+
 #[test]
-fn the_description_can_be_printed_into_a_pipe_that_closes() {
+fn a_pipe_that_closes_ends_what_prints_without_a_word() {
+    for arguments in PRINTING {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rigd"));
+        let (reader, writer) = std::io::pipe().expect("a pipe");
+        drop(reader);
+        let command = command.args(*arguments).current_dir(folder());
+        let output = command.stdout(writer).output().expect("the program runs");
+        assert!(output.status.success(), "{arguments:?}");
+        assert_eq!(text(&output.stderr), "", "{arguments:?}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn standard_output_on_a_full_disk_is_an_error() {
+    let full = || std::fs::File::options().write(true).open("/dev/full");
+    let serving: &[&str] = &["serve", "--listen", "127.0.0.1:0", "--adapter", "cpu"];
+    for arguments in PRINTING.iter().chain([&serving]) {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rigd"));
+        let command = command.args(*arguments).current_dir(folder());
+        let command = command.stdout(full().expect("a device"));
+        let output = command.output().expect("the program runs");
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {said}");
+        let wanted = "rigd: cannot write to standard output: No space left";
+        assert!(said.starts_with(wanted), "{arguments:?}: {said}");
+    }
+    // Nor is that of errors one.
     let mut command = Command::new(env!("CARGO_BIN_EXE_rigd"));
-    let mut child = command
-        .arg("openrpc")
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program runs");
-    // Longer than a pipe holds, and nobody reads it.
-    drop(child.stdout.take());
-    let output = child.wait_with_output().expect("it ends");
+    let command = command.args(["inspect", "missing.skel"]);
+    let status = command.stderr(full().expect("a device")).status();
+    assert_eq!(status.expect("the program runs").code(), Some(1));
+}
+
+#[test]
+fn graphics_libraries_have_nothing_to_say_about_displays() {
+    for arguments in [
+        &["doctor"][..],
+        &["render", "-o", "quiet.png", "--size", "8"],
+    ] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rigd"));
+        let command = command.args(arguments).current_dir(folder());
+        let unset = ["XDG_RUNTIME_DIR", "WAYLAND_DISPLAY", "NODEVICE_SELECT"];
+        let command = unset
+            .iter()
+            .fold(command, |command, name| command.env_remove(name));
+        let output = command.output().expect("the program runs");
+        assert_eq!(text(&output.stderr), "", "{arguments:?}");
+        assert!(output.status.success());
+    }
+}
+
+#[test]
+fn warnings_are_an_exit_code_where_that_is_asked_for() {
+    let odd = "balljoint hip { wobble 3 }";
+    std::fs::write(folder().join("odd.skel"), odd).expect("a file");
+    let render = [
+        "render",
+        "-o",
+        "strict.png",
+        "--size",
+        "8",
+        "--adapter",
+        "cpu",
+    ];
+    let strict = [&render[..], &["--strict"]].concat();
+    for (arguments, code) in [
+        (&["inspect", "odd.skel"][..], 0),
+        (&["inspect", "odd.skel", "--strict"], 3),
+        (&["inspect", "odd.skel", "--strict", "--json"], 3),
+        (&["inspect", "--strict"], 0),
+        (&[&render[..], &["odd.skel"]].concat(), 0),
+        (&[&strict[..], &["odd.skel"]].concat(), 3),
+        (&[&strict[..], &["--set", "head.rx=200deg"]].concat(), 3),
+        (&[&strict[..], &["--camera", "30,20"]].concat(), 3),
+        (
+            &[&strict[..], &["--morph=smile=1", "--set=morph.smile=0"]].concat(),
+            3,
+        ),
+        (&[&strict[..], &["--set", "head.rx=1deg"]].concat(), 0),
+    ] {
+        let output = rigd(arguments);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}");
+    }
+    assert_eq!(picture("strict.png").dimensions(), (8, 8));
+}
+
+#[test]
+fn angles_are_told_in_the_unit_that_was_typed() {
+    for (arguments, wanted) in [
+        (
+            &["--fov", "200deg"][..],
+            "'--fov <ANGLE>': expected an angle from 0.01deg to 179.99deg",
+        ),
+        (&["--fov", "45"], "for degrees type 45deg"),
+        (
+            &["--camera", "30,20"],
+            "warning: --camera: 30 is taken for radians, more than a full turn; for degrees type 30deg",
+        ),
+        (
+            &["--set", "spine.rx=30"],
+            "warning: --set spine.rx: 30 is taken for radians",
+        ),
+        (
+            &["--set", "spine.rx=200deg"],
+            "warning: spine.rx of 200deg is past its limit; used 40deg",
+        ),
+        (
+            &["--set", "spine.rx=2"],
+            "warning: spine.rx of 2rad is past its limit; used 0.6981rad",
+        ),
+        (
+            &["--set", "spine.rx=200°", "--limits", "reject"],
+            "--set spine.rx: expected an angle from -20deg to 40deg, its limits, but found 200deg",
+        ),
+        (
+            &["--set", "pelvis.tx=30deg"],
+            "--set pelvis.tx: expected a length in the rig's units, but found the angle 30deg",
+        ),
+    ] {
+        let drawing = ["render", "-o", "unit.png", "--size", "8"];
+        let output = rigd(&[&drawing, arguments, &ADAPTER[..]].concat());
+        let said = text(&output.stderr);
+        assert!(said.contains(wanted), "{arguments:?}: {said}");
+    }
+    // What `inspect` prints can be typed.
+    render("unit.png", &["--set", "spine.rx=-2deg", "--strict"]);
+}
+
+#[test]
+fn a_rig_without_morph_targets_says_so() {
+    let skel = "balljoint hip { balljoint knee { offset 0 1 0 } }";
+    std::fs::write(folder().join("legs.skel"), skel).expect("a file");
+    let output = rigd(&["render", "-o", "x.png", "legs.skel", "--morph", "smile=1"]);
+    let wanted = "rigd: --morph smile: the rig has no such morph target; it has none\n";
+    assert_eq!(text(&output.stderr), wanted);
+}
+
+#[test]
+fn one_picture_goes_to_standard_output_and_nothing_else_does() {
+    render("piped.png", &[]);
+    let drawing = ["render", "-o", "-", "--size", "48x40"];
+    let output = rigd(&[&drawing[..], &ADAPTER].concat());
     assert!(output.status.success(), "{}", text(&output.stderr));
+    let file = std::fs::read(folder().join("piped.png")).expect("a file");
+    assert!(output.stdout == file);
+    assert!(left_over("-").is_empty());
+}
+
+#[test]
+fn an_eye_is_a_camera_typed_in_another_way() {
+    let target = ["--target", "0.5,1,-0.25"];
+    // At a distance of 5, an azimuth of atan2(3, 4) and no inclination.
+    let eye = [&["--eye", "3.5,1,3.75"], &target[..]].concat();
+    let camera = [&["--camera", "0.6435011087932844,0,5"], &target[..]].concat();
+    assert!(drawn("eye.png", &eye) == drawn("eye.png", &camera));
+    // Straight down, and without perspective from any distance the same.
+    let down = drawn(
+        "down.png",
+        &["--eye", "0,9,0", "--target", "0,0,0", "--ortho", "2"],
+    );
+    let further = [
+        "--camera",
+        "0,90deg,20",
+        "--target",
+        "0,0,0",
+        "--ortho",
+        "2",
+    ];
+    assert!(down == drawn("down.png", &further));
+    // A quarter of a turn on.
+    render("around.png", &[&eye[..], &["--turntable", "4"]].concat());
+    let second = [
+        "--camera",
+        "2.214297435588181,0,5",
+        "--target",
+        "0.5,1,-0.25",
+    ];
+    assert!(picture("around_0001.png") == drawn("second.png", &second));
 }
 
 #[test]
@@ -326,12 +521,12 @@ fn what_cannot_be_done_is_said_with_a_failing_exit_code() {
         (
             &["render", "-o", "x.png", "--set", "head.rX=1"],
             1,
-            "did you mean `head.rx`?",
+            "--set head.rX: the rig has no such DOF; did you mean `head.rx`?",
         ),
         (
             &["render", "-o", "x.png", "--size", "0x5"],
             1,
-            "size: expected two positive numbers",
+            "--size: expected two positive numbers",
         ),
         (
             &["render", "-o", "nowhere/x.png"],
@@ -353,6 +548,20 @@ fn what_cannot_be_done_is_said_with_a_failing_exit_code() {
             1,
             "cannot listen on 127.0.0.1:http",
         ),
+        (&["--listen", "7443"], 2, "expected HOST:PORT"),
+        (&["rendr", "-o", "x.png"], 2, "did you mean `rigd render`?"),
+        (
+            &["render", "-o", "-", "--turntable", "2"],
+            1,
+            "a sequence needs a file",
+        ),
+        (
+            &[
+                "render", "-o", "x.png", "--eye", "1,2,3", "--target", "1,2,3",
+            ],
+            1,
+            "--eye: expected a point at a distance from the target",
+        ),
         (
             &["call", "server.info", "--connect", "127.0.0.1:1"],
             1,
@@ -367,7 +576,7 @@ fn what_cannot_be_done_is_said_with_a_failing_exit_code() {
         (
             &["render", "-o", "x.jpg"],
             1,
-            "ends in .png, .gif or .apng, but found `x.jpg`",
+            "ends in .png, .gif or .apng, or - for a PNG to standard output, but found `x.jpg`",
         ),
         (&["render", "-o", "x.png", "--time", "1"], 2, "--clip"),
         (
@@ -423,22 +632,22 @@ fn what_cannot_be_done_is_said_with_a_failing_exit_code() {
         (
             &["render", "-o", "x.png", "--light", "dir:0,0,0"],
             1,
-            "lights[0]",
+            "--light number 1, its direction: expected a direction other than zero",
         ),
         (
             &["render", "-o", "x.png", "--morph", "frown=1"],
             1,
-            "morph.frown: the rig has no such DOF",
+            "--morph frown: the rig has no such morph target; it has `smile`",
         ),
         (
             &["render", "-o", "x.gif", "--clip", "dance"],
             1,
-            "pose.clip.name: the rig has no such clip",
+            "--clip dance: the rig has no such clip",
         ),
         (
             &["render", "-o", "x.png", "--rotate", "head=0,0,0,2"],
             1,
-            "expected a unit quaternion",
+            "--rotate head: expected a unit quaternion",
         ),
         (
             &[
@@ -451,7 +660,7 @@ fn what_cannot_be_done_is_said_with_a_failing_exit_code() {
                 "head.rx=3",
             ],
             1,
-            "head.rx",
+            "--set head.rx: expected an angle from",
         ),
         (
             &["render", "-o", "x.png", "--samples", "2"],
@@ -665,17 +874,39 @@ fn what_draws_can_be_chosen_and_what_is_not_there_is_refused() {
     }
 }
 
+/// A daemon, stopped when dropped, and where it listens.
+struct Daemon(std::process::Child, String);
+
+impl Daemon {
+    fn start() -> Self {
+        let mut daemon = Command::new(env!("CARGO_BIN_EXE_rigd"));
+        let daemon = daemon
+            .args(["serve", "--listen", "127.0.0.1:0"])
+            .args(ADAPTER);
+        let mut daemon = daemon.stdout(Stdio::piped()).spawn().expect("it starts");
+        let mut said = BufReader::new(daemon.stdout.take().expect("it is piped"));
+        let mut line = String::new();
+        said.read_line(&mut line).expect("a line");
+        let address = line.trim_end().rsplit(' ').next().expect("an address");
+        let address = address.to_owned();
+        Self(daemon, address)
+    }
+
+    fn call(&self, method: &str, params: &str, output: &str) -> Output {
+        rigd(&["call", method, params, "--connect", &self.1, "-o", output])
+    }
+}
+
+impl Drop for Daemon {
+    fn drop(&mut self) {
+        self.0.kill().expect("it runs");
+        self.0.wait().expect("it ends");
+    }
+}
+
 #[test]
 fn a_stream_is_called_for_and_each_picture_saved() {
-    let mut daemon = Command::new(env!("CARGO_BIN_EXE_rigd"));
-    let daemon = daemon
-        .args(["serve", "--listen", "127.0.0.1:0"])
-        .args(ADAPTER);
-    let mut daemon = daemon.stdout(Stdio::piped()).spawn().expect("it starts");
-    let mut said = BufReader::new(daemon.stdout.take().expect("it is piped"));
-    let mut line = String::new();
-    said.read_line(&mut line).expect("a line");
-    let address = line.trim_end().rsplit(' ').next().expect("an address");
+    let daemon = Daemon::start();
     let params = r#"{"rig": "figure", "size": [24, 32], "stream": true, "frames": [{}, {"camera": {"kind": "orbit", "azimuth": 2}}]}"#;
     for transport in ["base64", "attach"] {
         let params = params.replace(
@@ -683,15 +914,7 @@ fn a_stream_is_called_for_and_each_picture_saved() {
             &format!("\"transport\": \"{transport}\", \"stream\""),
         );
         let name = format!("{transport}.png");
-        let output = rigd(&[
-            "call",
-            "frame.batch",
-            &params,
-            "--connect",
-            address,
-            "-o",
-            &name,
-        ]);
+        let output = daemon.call("frame.batch", &params, &name);
         assert!(output.status.success(), "{}", text(&output.stderr));
         let said = text(&output.stdout);
         let items: Vec<&str> = said.lines().take(2).collect();
@@ -703,12 +926,112 @@ fn a_stream_is_called_for_and_each_picture_saved() {
             said.trim_end().ends_with("{\n  \"frame_count\": 2\n}"),
             "{said}"
         );
-        let saved = [0, 1].map(|index| picture(&format!("{transport}-000{index}.png")));
+        let saved = [0, 1].map(|index| picture(&format!("{transport}_000{index}.png")));
         assert!(saved.iter().all(|picture| picture.dimensions() == (24, 32)));
         assert!(saved[0] != saved[1]);
     }
-    daemon.kill().expect("it runs");
-    daemon.wait().expect("it ends");
+}
+
+#[test]
+fn every_picture_and_array_of_a_result_is_saved() {
+    let daemon = Daemon::start();
+    // The file of each array that was printed has the bytes that the array says.
+    let check = |printed: &serde_json::Value, file: &str| {
+        assert_eq!(printed["file"], file);
+        assert_eq!(printed.get("data"), None);
+        let bytes = std::fs::read(folder().join(file)).expect("a file").len() as u64;
+        let shape = printed["shape"].as_array().expect("a shape");
+        let numbers = shape
+            .iter()
+            .map(|length| length.as_u64().expect("a length"));
+        assert_eq!(bytes, 4 * numbers.product::<u64>());
+    };
+    let two_meshes = r#"{"name": "twins", "files": [
+        {"name": "a.skel", "text": "balljoint root { }"},
+        {"name": "a.skin", "text": "positions 3 { 0 0 0 1 0 0 0 1 0 } triangles 1 { 0 1 2 } skinweights 3 { 1 0 1 1 0 1 1 0 1 } bindings 1 { matrix { 1 0 0 0 1 0 0 0 1 0 0 0 } }"},
+        {"name": "b.skin", "text": "positions 4 { 0 0 0 1 0 0 0 1 0 0 0 1 } triangles 1 { 0 1 2 } skinweights 4 { 1 0 1 1 0 1 1 0 1 1 0 1 } bindings 1 { matrix { 1 0 0 0 1 0 0 0 1 0 0 0 } }"}]}"#;
+    let address = daemon.1.as_str();
+    let loaded = rigd(&["call", "rig.load", two_meshes, "--connect", address]);
+    assert!(loaded.status.success(), "{}", text(&loaded.stdout));
+    for transport in ["json", "base64", "attach"] {
+        let params = format!(r#"{{"rig": "twins", "transport": "{transport}"}}"#);
+        let output = daemon.call("mesh.vertices", &params, "all.f32");
+        let result: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let meshes = &result["meshes"];
+        check(&meshes[0]["normals"], "all_0000.f32");
+        check(&meshes[0]["positions"], "all_0001.f32");
+        check(&meshes[1]["normals"], "all_0002.f32");
+        check(&meshes[1]["positions"], "all_0003.f32");
+        let listed = "all_0003.f32 (meshes[1].positions, 48 bytes)\n";
+        assert!(text(&output.stderr).ends_with(listed));
+    }
+    let one = r#"{"rig": "twins", "mesh": "mesh_1", "attributes": ["positions"]}"#;
+    let output = daemon.call("mesh.vertices", one, "one.f32");
+    let result: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    check(&result["meshes"][0]["positions"], "one.f32");
+
+    let poses = r#"{"rig": "figure", "poses": [{}, {}], "stream": true, "transport": "attach"}"#;
+    let output = daemon.call("mesh.batch", poses, "pose.f32");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let mut saved = left_over("pose");
+    saved.sort_unstable();
+    let wanted = ["0000_0000", "0000_0001", "0001_0000", "0001_0001"];
+    assert_eq!(saved, wanted.map(|number| format!("pose_{number}.f32")));
+
+    let picture = r#"{"rig": "figure", "size": [8, 8]}"#;
+    let output = daemon.call("frame.render", picture, "-");
+    assert!(output.status.success());
+    image::load_from_memory(&output.stdout).expect("a PNG and nothing else");
+    assert!(text(&output.stderr).contains("\"world_from_camera\""));
+}
+
+#[test]
+fn what_is_not_saved_is_told() {
+    let daemon = Daemon::start();
+    let both = r#"{"rig": "figure", "transport": "attach"}"#;
+    for (method, params, output, code, wanted) in [
+        (
+            "mesh.vertices",
+            both,
+            "-",
+            1,
+            "standard output takes one: name a file",
+        ),
+        (
+            "server.ping",
+            "{}",
+            "none.f32",
+            1,
+            "no picture and no array to save",
+        ),
+        (
+            "mesh.vertices",
+            both,
+            "nowhere/x",
+            1,
+            "cannot write nowhere/x_0000",
+        ),
+        (
+            "frame.batch",
+            r#"{"rig": "figure", "frames": [{}], "stream": true}"#,
+            "-",
+            1,
+            "a stream needs a file's name",
+        ),
+    ] {
+        let output = daemon.call(method, params, output);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{said}");
+        assert!(said.contains(wanted), "{said}");
+    }
+    let address = daemon.1.as_str();
+    let output = rigd(&["call", "mesh.vertices", both, "--connect", address]);
+    let said = text(&output.stderr);
+    assert!(output.status.success());
+    assert!(
+        said.starts_with("warning: 143064 attached bytes are left out"),
+        "{said}"
+    );
 }
 
 #[test]

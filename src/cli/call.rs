@@ -1,10 +1,13 @@
 //! `rigd call`: one request to a running daemon.
 
+use super::files::{self, Destination, numbered};
+use super::terminal::{note, print};
+use super::values::address;
 use crate::client::{Ahead, Client, Message};
 use crate::protocol::Blob;
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -15,17 +18,28 @@ pub(super) struct CallArgs {
     /// A JSON object, @FILE to read one, or - for standard input
     #[arg(default_value = "{}")]
     params: String,
-    /// Save the first picture or array of the result here, and leave its data out of what is printed; of a stream that of each item,
-    /// numbered
+    /// Save the pictures and arrays of the result, and print where each is in place of its data
+    ///
+    /// A single one is saved under this name. Several are numbered in the order in which the result is printed, e.g. out_0000.f32 and
+    /// out_0001.f32 for out.f32. The items of a stream are numbered as well, e.g. walk_0000.png for walk.png, and several of one item once
+    /// more, e.g. out_0007_0001.f32. With - a single one goes to standard output, and the result to standard error.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Where the daemon listens
-    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:7443")]
+    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:7443", value_parser = address)]
     connect: String,
 }
 
+/// Letters of what cannot be read that are enough to know it again.
+const SHOWN: usize = 160;
+
 pub(super) fn run(args: &CallArgs) -> anyhow::Result<()> {
     let params = args.params()?;
+    let output = args.output.as_deref().map(Destination::from);
+    let streams = params.get("stream") == Some(&Value::Bool(true));
+    if streams && output == Some(Destination::StandardOutput) {
+        bail!("--output: a stream needs a file's name, but found `-`");
+    }
     let mut client = Client::connect(args.connect.as_str()).map_err(|error| {
         anyhow!(
             "no daemon answers at {}: {error}; start one with `rigd serve`",
@@ -33,13 +47,14 @@ pub(super) fn run(args: &CallArgs) -> anyhow::Result<()> {
         )
     })?;
     client.send(&args.method, &params)?;
-    let mut ahead = 0;
+    let mut items = Items {
+        count: asked_for(&params),
+        came: 0,
+        saved: 0,
+    };
     let reply = loop {
         match client.next()? {
-            Message::Ahead(item) => {
-                args.print_item(item, ahead)?;
-                ahead += 1;
-            }
+            Message::Ahead(item) => items.take(item, args.output.as_deref())?,
             Message::Reply(reply) => break reply,
         }
     };
@@ -47,39 +62,155 @@ pub(super) fn run(args: &CallArgs) -> anyhow::Result<()> {
         Ok(result) => serde_json::from_str(result.get())?,
         Err(error) => {
             // On standard output as well: whoever reads the result by program wants the error the same way.
-            super::print(&serde_json::to_string_pretty(&error)?)?;
+            print(&serde_json::to_string_pretty(&error)?)?;
             bail!("{error}");
         }
     };
-    // Those of a stream are saved already, and it may have none.
-    let streams = params.get("stream") == Some(&Value::Bool(true));
-    if let Some(output) = args.output.as_ref().filter(|_| !streams) {
-        let bytes = take_blob(&mut result, &reply.attached)?
-            .context("the result has no picture and no array to save")?;
-        save(output, &bytes)?;
+    let saved = match &output {
+        None => Ok(warn_of_unsaved(&reply.attached)),
+        Some(Destination::File(path)) => save(&mut result, &reply.attached, path),
+        Some(Destination::StandardOutput) => pass_on(&mut result, &reply.attached),
+    };
+    let text = serde_json::to_string_pretty(&result)?;
+    match (&output, &saved) {
+        // Its blobs are still in it.
+        (Some(Destination::StandardOutput), Err(_)) => {}
+        (Some(Destination::StandardOutput), Ok(_)) => note(&text),
+        // What was done is told whether its blobs could be saved or not.
+        _ => print(&text)?,
     }
-    super::print(&serde_json::to_string_pretty(&result)?)
-}
-
-fn save(output: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    std::fs::write(output, bytes).with_context(|| format!("cannot write {}", output.display()))?;
-    eprintln!("{} ({} bytes)", output.display(), bytes.len());
+    if saved? + items.saved == 0 && output.is_some() {
+        bail!("the result has no picture and no array to save");
+    }
     Ok(())
 }
 
-impl CallArgs {
-    /// An item of a stream, on a line of its own.
-    fn print_item(&self, item: Ahead, index: usize) -> anyhow::Result<()> {
-        let mut params: Value = serde_json::from_str(item.params.get())?;
-        if let Some(output) = &self.output
-            && let Some(bytes) = take_blob(&mut params, &item.attached)?
-        {
-            save(&numbered(output, index), &bytes)?;
-        }
-        let method = item.method;
-        super::print(&json!({"method": method, "params": params}).to_string())
-    }
+/// The items of a stream.
+struct Items {
+    /// How many were asked for, as far as the request says.
+    count: usize,
+    came: usize,
+    /// Files that were written.
+    saved: usize,
+}
 
+impl Items {
+    /// Prints one on a line of its own.
+    fn take(&mut self, item: Ahead, output: Option<&Path>) -> anyhow::Result<()> {
+        let mut params: Value = serde_json::from_str(item.params.get())?;
+        self.saved += match output {
+            Some(path) => {
+                let path = numbered(path, self.came, self.count);
+                save(&mut params, &item.attached, &path)?
+            }
+            None => warn_of_unsaved(&item.attached),
+        };
+        self.came += 1;
+        let method = item.method;
+        print(&json!({"method": method, "params": params}).to_string())
+    }
+}
+
+/// The items that a request for a batch asks for; 0 where it does not say so in a list.
+fn asked_for(params: &Value) -> usize {
+    let lists = ["frames", "poses", "dof_values"].map(|field| params.get(field)?.as_array());
+    lists
+        .iter()
+        .flatten()
+        .map(|list| list.len())
+        .max()
+        .unwrap_or(0)
+}
+
+/// Saves every blob in `value`, which then says where in place of the data. How many there were.
+fn save(value: &mut Value, attached: &[u8], output: &Path) -> anyhow::Result<usize> {
+    let blobs = blobs(value);
+    let count = blobs.len();
+    for (index, (place, blob)) in blobs.into_iter().enumerate() {
+        let path = match count {
+            1 => output.to_owned(),
+            _ => numbered(output, index, count),
+        };
+        let bytes = take(blob, attached)?;
+        files::write(&path, &bytes)?;
+        let path = path.to_string_lossy();
+        note(&format!("{path} ({place}, {} bytes)", bytes.len()));
+        blob.insert("file".to_owned(), path.into());
+    }
+    Ok(count)
+}
+
+/// Writes the only blob in `value` to standard output.
+fn pass_on(value: &mut Value, attached: &[u8]) -> anyhow::Result<usize> {
+    match blobs(value).as_mut_slice() {
+        [] => Ok(0),
+        [(_, only)] => files::write_to_stdout(&take(only, attached)?).map(|()| 1),
+        several => bail!(
+            "--output: the result has {} pictures or arrays, and standard output takes one: name a file",
+            several.len()
+        ),
+    }
+}
+
+/// Raw bytes that came although nothing is to be saved. None are.
+fn warn_of_unsaved(attached: &[u8]) -> usize {
+    if !attached.is_empty() {
+        let bytes = attached.len();
+        note(&format!(
+            "warning: {bytes} attached bytes are left out; --output saves them"
+        ));
+    }
+    0
+}
+
+/// The content of a blob, whose data is then gone from it.
+fn take(blob: &mut Map<String, Value>, attached: &[u8]) -> anyhow::Result<Vec<u8>> {
+    let data = blob.remove("data");
+    let mut whole = blob.clone();
+    whole.extend(data.map(|data| ("data".to_owned(), data)));
+    let whole: Blob = serde_json::from_value(Value::Object(whole))
+        .context("the server sent a blob that cannot be read")?;
+    Ok(whole.bytes(attached)?.into_owned())
+}
+
+/// The blobs in `value`, in the order in which it is printed, each with its place in there, e.g. `meshes[0].positions`.
+fn blobs(value: &mut Value) -> Vec<(String, &mut Map<String, Value>)> {
+    let mut found = Vec::new();
+    collect(value, String::new(), &mut found);
+    found
+}
+
+/// No deeper than the reader of JSON goes.
+fn collect<'a>(
+    value: &'a mut Value,
+    place: String,
+    found: &mut Vec<(String, &'a mut Map<String, Value>)>,
+) {
+    match value {
+        Value::Object(members) => {
+            if is_blob(members) {
+                return found.push((place, members));
+            }
+            let separator = if place.is_empty() { "" } else { "." };
+            for (name, inner) in members {
+                collect(inner, format!("{place}{separator}{name}"), found);
+            }
+        }
+        Value::Array(items) => {
+            for (index, inner) in items.iter_mut().enumerate() {
+                collect(inner, format!("{place}[{index}]"), found);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Another object may have a member of the same name, e.g. a joint's, but none that is a string.
+fn is_blob(members: &Map<String, Value>) -> bool {
+    members.get("encoding").is_some_and(Value::is_string)
+}
+
+impl CallArgs {
     fn params(&self) -> anyhow::Result<Value> {
         let text = match self.params.as_str() {
             "-" => {
@@ -96,40 +227,10 @@ impl CallArgs {
                 None => params.to_owned(),
             },
         };
-        serde_json::from_str(&text).with_context(|| format!("the parameters are not JSON: {text}"))
+        serde_json::from_str(&text).with_context(|| {
+            let start: String = text.chars().take(SHOWN).collect();
+            let rest = if start.len() < text.len() { "…" } else { "" };
+            format!("the parameters are not JSON: {start}{rest}")
+        })
     }
-}
-
-/// `out.png` with 7 is `out-0007.png`.
-fn numbered(output: &Path, index: usize) -> PathBuf {
-    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
-    let mut name = format!("{stem}-{index:04}");
-    if let Some(extension) = output.extension() {
-        name = format!("{name}.{}", extension.to_string_lossy());
-    }
-    output.with_file_name(name)
-}
-
-/// The content of the first blob in `value`, whose data is then gone from it.
-fn take_blob(value: &mut Value, attached: &[u8]) -> anyhow::Result<Option<Vec<u8>>> {
-    if value.get("encoding").is_some() {
-        let blob: Blob = serde_json::from_value(value.clone())
-            .context("the server sent a blob that cannot be read")?;
-        let bytes = blob.bytes(attached)?.into_owned();
-        if let Some(members) = value.as_object_mut() {
-            members.remove("data");
-        }
-        return Ok(Some(bytes));
-    }
-    let inner: Vec<&mut Value> = match value {
-        Value::Object(members) => members.values_mut().collect(),
-        Value::Array(items) => items.iter_mut().collect(),
-        _ => Vec::new(),
-    };
-    for inner in inner {
-        if let Some(bytes) = take_blob(inner, attached)? {
-            return Ok(Some(bytes));
-        }
-    }
-    Ok(None)
 }

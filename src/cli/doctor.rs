@@ -1,5 +1,6 @@
 //! `rigd doctor`: what this machine can draw with, whether it does, and what may be missing.
 
+use super::terminal::{Warnings, print};
 use super::{RendererArgs, local};
 use crate::engine::{AdapterInfo, AdapterKind, adapters};
 use crate::formats::Source;
@@ -14,26 +15,26 @@ pub(super) fn run(args: &RendererArgs) -> anyhow::Result<()> {
     let adapter = engine.adapter().clone();
     for other in &found {
         let is_chosen = (&other.name, other.backend) == (&adapter.name, adapter.backend);
-        println!("{} {other}", if is_chosen { "*" } else { " " });
+        print(&format!("{} {other}", if is_chosen { "*" } else { " " }))?;
     }
     let is_gpu = |info: &AdapterInfo| info.kind < AdapterKind::Software;
     if cfg!(target_os = "linux") && !found.iter().any(is_gpu) {
         let os_release = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
-        println!("\n{}", advice(&os_release));
+        print(&format!("\n{}", advice(&os_release)))?;
     }
-    let loaded = local::load(&engine, &[])?;
+    let loaded = local::load(&engine, &[], &mut Warnings::default())?;
     let service = Service::new(engine, Source::inline_only());
     let params = wire::FrameParams::of(loaded.name.as_str());
     let (frame, _) = local::ask::<_, wire::Frame>(&service, "frame.render", &params)?;
     let first = started.elapsed();
     let (again, _) = local::ask::<_, wire::Frame>(&service, "frame.render", &params)?;
-    println!("\nDrew {}x{} with {adapter}.", frame.width, frame.height);
-    println!(
-        "First picture after {:.0} ms, the next one in {:.1} ms.",
+    print(&format!(
+        "\nDrew {}x{} with {adapter}.\nFirst picture after {:.0} ms, the next one in {:.1} ms.",
+        frame.width,
+        frame.height,
         first.as_secs_f64() * 1e3,
         again.timings_ms.render
-    );
-    Ok(())
+    ))
 }
 
 /// How to get at a GPU that was not found, on this distribution.

@@ -1,7 +1,8 @@
 //! A service in this process, for subcommands that need no daemon.
 
-use super::{RendererArgs, builtin, printable};
-use crate::engine::{Engine, LoadedRig, RendererChoice};
+use super::terminal::Warnings;
+use super::{RendererArgs, builtin};
+use crate::engine::{AdapterChoice, Engine, LoadedRig, RendererChoice};
 use crate::formats::Source;
 use crate::limits::Limits;
 use crate::protocol::{Id, Outgoing, Reply};
@@ -19,26 +20,38 @@ impl RendererArgs {
             .and_then(|threads| NonZeroUsize::new(threads.into()))
     }
 
+    /// Whether the machine's graphics libraries may be asked what there is.
+    pub(super) fn may_ask_for_gpus(&self) -> bool {
+        self.choice().adapter != AdapterChoice::Cpu
+    }
+
     pub(super) fn open(&self) -> anyhow::Result<Engine> {
+        Ok(Engine::open(self.choice(), Limits::default())?)
+    }
+
+    fn choice(&self) -> RendererChoice {
         let adapter = match self.adapter.parse() {
             Ok(adapter) => adapter,
             Err(never) => match never {},
         };
-        let choice = RendererChoice {
+        RendererChoice {
             adapter,
             require_gpu: self.require_gpu,
             threads: self.threads(),
-        };
-        Ok(Engine::open(choice, Limits::default())?)
+        }
     }
 }
 
 /// Loads what the user named, or the default, from wherever it lies.
-pub(super) fn load(engine: &Engine, files: &[String]) -> anyhow::Result<Arc<LoadedRig>> {
+pub(super) fn load(
+    engine: &Engine,
+    files: &[String],
+    warnings: &mut Warnings,
+) -> anyhow::Result<Arc<LoadedRig>> {
     let files = builtin::files_or_default(files);
     let loaded = engine.load(None, &files, &Source::local(), false)?;
     for warning in loaded.warnings() {
-        eprintln!("warning: {}", printable(warning));
+        warnings.tell(warning);
     }
     Ok(loaded)
 }

@@ -3,23 +3,30 @@
 mod builtin;
 mod call;
 mod doctor;
+mod environment;
+mod exit;
+mod files;
 mod inspect;
 mod local;
 mod render;
 mod serve;
+mod terminal;
 mod values;
 
 pub use builtin::figure;
 
-use clap::{Args, Parser, Subcommand};
-use std::io::Write;
+use crate::protocol::nearest;
+use clap::{Args, CommandFactory, Parser, Subcommand};
+use exit::Outcome;
+use std::path::Path;
+use std::process::ExitCode;
 
 /// Keeps character rigs loaded, poses and skins them, and answers with pictures and vertices.
 ///
 /// Without a subcommand it serves: `rigd monster.skel monster.skin` listens with that rig loaded. Without files it takes test.skel and
 /// test.skin of the current folder where they exist, else its own built-in figure.
 #[derive(Parser)]
-#[command(version, args_conflicts_with_subcommands = true)]
+#[command(version, args_conflicts_with_subcommands = true, after_help = exit::CODES)]
 pub struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -57,51 +64,84 @@ struct RendererArgs {
     threads: Option<u16>,
 }
 
-/// Runs what the arguments of the process ask for.
-///
-/// # Errors
-/// As the subcommand has them, to be shown to the user.
-pub fn run() -> anyhow::Result<()> {
-    let cli = Cli::parse();
-    match cli.command.unwrap_or(Command::Serve(cli.serve)) {
-        Command::Serve(args) => serve::run(&args),
-        Command::Render(args) => render::run(&args),
-        Command::Inspect(args) => inspect::run(&args),
-        Command::Call(args) => call::run(&args),
-        Command::Doctor(args) => doctor::run(&args),
-        Command::Openrpc => print(&format!("{:#}", crate::protocol::openrpc())),
+/// Runs what the arguments of the process ask for, and gives what it is to end with.
+pub fn run() -> ExitCode {
+    let first = std::env::args_os().nth(1).unwrap_or_default();
+    if let Some(first) = first.to_str()
+        && let Some(meant) = mistyped(first)
+    {
+        terminal::note(&format!(
+            "error: there is neither a subcommand nor a file `{first}`; did you mean `rigd {meant}`?"
+        ));
+        return exit::MISREAD.into();
+    }
+    match Cli::try_parse() {
+        Ok(cli) => exit::code(cli.command.unwrap_or(Command::Serve(cli.serve)).run()),
+        Err(error) => exit::misread(&error),
     }
 }
 
-/// Text as a terminal may have it: names come from files, and may hold what a terminal would obey.
-pub fn printable(text: &str) -> String {
-    let mut shown = String::with_capacity(text.len());
-    for c in text.chars() {
-        if c.is_control() && c != '\n' {
-            shown.extend(c.escape_default());
-        } else {
-            shown.push(c);
+/// The subcommand that was meant by the first argument, which would else be taken for a file to serve.
+fn mistyped(first: &str) -> Option<String> {
+    let program = Cli::command();
+    let known = || program.get_subcommands().map(clap::Command::get_name);
+    let is_else = first.contains(['-', '.', '/', '\\']) || known().any(|name| name == first);
+    if is_else || Path::new(first).exists() {
+        return None;
+    }
+    nearest(first, known()).map(str::to_owned)
+}
+
+impl Command {
+    fn run(self) -> anyhow::Result<Outcome> {
+        if self.renderer().is_some_and(RendererArgs::may_ask_for_gpus) {
+            environment::set_for_graphics();
         }
+        match self {
+            Self::Serve(args) => serve::run(&args)?,
+            Self::Render(args) => return render::run(&args),
+            Self::Inspect(args) => return inspect::run(&args),
+            Self::Call(args) => call::run(&args)?,
+            Self::Doctor(args) => doctor::run(&args)?,
+            Self::Openrpc => terminal::print(&format!("{:#}", crate::protocol::openrpc()))?,
+        }
+        Ok(Outcome::Done)
     }
-    shown
-}
 
-/// Writes a line to standard output. A reader that has seen enough and closed its end is no failure.
-fn print(text: &str) -> anyhow::Result<()> {
-    match writeln!(std::io::stdout(), "{text}") {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
-        _ => Ok(()),
+    /// Of those that draw.
+    fn renderer(&self) -> Option<&RendererArgs> {
+        match self {
+            Self::Serve(args) => Some(&args.renderer),
+            Self::Render(args) => Some(&args.renderer),
+            Self::Doctor(args) => Some(args),
+            Self::Inspect(_) | Self::Call(_) | Self::Openrpc => None,
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_arguments_are_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_mistyped_subcommand_is_no_file() {
+        for (first, meant) in [
+            ("rendr", Some("render")),
+            ("Inspect", Some("inspect")),
+            ("doctor", None),
+            ("help", None),
+            ("--help", None),
+            ("server.glb", None),
+            ("src", None),
+            ("", None),
+        ] {
+            assert_eq!(mistyped(first).as_deref(), meant, "{first}");
+        }
     }
 
     #[test]

@@ -1,5 +1,8 @@
 //! `rigd serve`.
 
+use super::exit::Stopped;
+use super::terminal::{Warnings, note, print, printable};
+use super::values::address;
 use super::{RendererArgs, local};
 use crate::formats::Source;
 use crate::server::{Patience, Server, Stopper};
@@ -8,7 +11,6 @@ use anyhow::Context;
 use clap::Args;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
-use std::io::Write;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -17,17 +19,14 @@ pub(super) struct ServeArgs {
     /// Files of a rig to load before listening, in any order
     pub(super) files: Vec<String>,
     /// Address to listen on; port 0 lets the system choose
-    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:7443")]
+    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:7443", value_parser = address)]
     listen: String,
     /// Folder below which requests may name files; without it they bring their files along
     #[arg(long, value_name = "DIR")]
     root: Option<PathBuf>,
     #[command(flatten)]
-    renderer: RendererArgs,
+    pub(super) renderer: RendererArgs,
 }
-
-/// Added to a signal's number, the exit code of a process that it ended, as shells count it.
-const ENDED_BY: i32 = 128;
 
 pub(super) fn run(args: &ServeArgs) -> anyhow::Result<()> {
     // Before anything slow, so that a stop asked for meanwhile is heard.
@@ -43,26 +42,24 @@ pub(super) fn run(args: &ServeArgs) -> anyhow::Result<()> {
         None => Source::inline_only(),
     };
     let engine = args.renderer.open()?;
-    let loaded = local::load(&engine, &args.files)?;
+    let loaded = local::load(&engine, &args.files, &mut Warnings::default())?;
     let adapter = engine.adapter().to_string();
     let service = Service::new(engine, source);
     let server = Server::bind(&args.listen, service, Patience::default())
         .with_context(|| format!("cannot listen on {}", args.listen))?;
     let address = server.address()?;
     if !address.ip().is_loopback() {
-        eprintln!(
-            "warning: {address} can be reached from other machines, and whoever reaches it may load and draw rigs"
-        );
+        Warnings::default().tell(&format!(
+            "{address} can be reached from other machines, and whoever reaches it may load and draw rigs"
+        ));
     }
     *stopping.lock().unwrap_or_else(PoisonError::into_inner) = Some(server.stopper()?);
     let (version, name) = (env!("CARGO_PKG_VERSION"), &loaded.name);
     // On its own line and flushed, so that a script can wait for it and read the port. Once it has what it wanted it may close its end,
     // which is no reason to stop.
-    let mut said = std::io::stdout().lock();
-    let _ = writeln!(said, "rigd {version} listening on {address}");
-    let _ = writeln!(said, "rig `{name}` loaded, drawing with {adapter}");
-    let _ = said.flush();
-    drop(said);
+    print(&printable(&format!(
+        "rigd {version} listening on {address}\nrig `{name}` loaded, drawing with {adapter}"
+    )))?;
     server.run()?;
     Ok(())
 }
@@ -72,12 +69,9 @@ fn stop_on(mut signals: Signals, server: &Mutex<Option<Stopper>>) {
     for signal in signals.forever() {
         let stopper = server.lock().unwrap_or_else(PoisonError::into_inner).take();
         let Some(stopper) = stopper else {
-            std::process::exit(ENDED_BY + signal);
+            std::process::exit(Stopped { signal }.code());
         };
-        let _ = writeln!(
-            std::io::stderr(),
-            "rigd: stopping; requests in hand are answered first"
-        );
+        note("rigd: stopping; requests in hand are answered first");
         stopper.stop();
     }
 }

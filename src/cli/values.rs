@@ -2,23 +2,101 @@
 
 use crate::encode::FrameRate;
 use crate::protocol::camera::{DirectionalLight, Falloff, Light, PointLight};
+use crate::scene::FOV_Y_RADIANS;
 use std::str::FromStr;
 
-/// Radians; typed as `0.5`, `0.5rad` or `30deg`.
+/// An angle as it was typed: `0.5`, `0.5rad`, `30deg` or `30°`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Angle(pub f64);
+pub(super) struct Angle {
+    pub radians: f64,
+    pub unit: Unit,
+}
+
+/// What was typed behind an angle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Unit {
+    /// Nothing, which stands for radians.
+    None,
+    Radians,
+    Degrees,
+}
+
+impl Unit {
+    /// An angle in this unit, as it can be typed.
+    pub fn show(self, radians: f64) -> String {
+        match self {
+            Self::None | Self::Radians => format!("{}rad", rounded(radians, 4)),
+            // Files give radians with few decimals; more than two of a degree would show that.
+            Self::Degrees => format!("{}deg", rounded(radians.to_degrees(), 2)),
+        }
+    }
+}
+
+/// A length or a weight with as many decimals as are of use to a reader.
+pub(super) fn decimal(number: f64) -> String {
+    rounded(number, 4)
+}
+
+fn rounded(number: f64, decimals: usize) -> String {
+    let text = format!("{number:.decimals$}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0" } else { text }.to_owned()
+}
+
+impl Angle {
+    /// What is odd about a number without a unit that would be a common one in degrees.
+    pub fn doubt(self) -> Option<String> {
+        let Self { radians, unit } = self;
+        let is_odd = unit == Unit::None && radians.abs() > std::f64::consts::TAU;
+        is_odd.then(|| {
+            format!("{radians} is taken for radians, more than a full turn; for degrees type {radians}deg")
+        })
+    }
+}
 
 impl FromStr for Angle {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (number, unit) = match (text.strip_suffix("deg"), text.strip_suffix("rad")) {
-            (Some(number), _) => (number, std::f64::consts::PI / 180.0),
-            (None, Some(number)) => (number, 1.0),
-            (None, None) => (text, 1.0),
+        let units = [
+            ("deg", Unit::Degrees),
+            ("°", Unit::Degrees),
+            ("rad", Unit::Radians),
+            ("", Unit::None),
+        ];
+        let typed = units
+            .into_iter()
+            .find_map(|(ending, unit)| Some((text.strip_suffix(ending)?, unit)));
+        let (number, unit) = typed.unwrap_or((text, Unit::None));
+        let number = finite(number, "an angle such as 0.5, 0.5rad or 30deg", text)?;
+        let radians = match unit {
+            Unit::Degrees => number * (std::f64::consts::PI / 180.0),
+            Unit::None | Unit::Radians => number,
         };
-        Ok(Self(
-            finite(number, "a number such as 0.5, 0.5rad or 30deg", text)? * unit,
+        Ok(Self { radians, unit })
+    }
+}
+
+/// The angle that a picture is high.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct FieldOfView(pub f64);
+
+impl FromStr for FieldOfView {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let angle: Angle = text.parse()?;
+        if FOV_Y_RADIANS.contains(&angle.radians) {
+            return Ok(Self(angle.radians));
+        }
+        let [least, most] =
+            [FOV_Y_RADIANS.start(), FOV_Y_RADIANS.end()].map(|end| angle.unit.show(*end));
+        let hint = match angle.unit {
+            Unit::None => format!(", which stands for radians; for degrees type {text}deg"),
+            Unit::Radians | Unit::Degrees => String::new(),
+        };
+        Err(format!(
+            "expected an angle from {least} to {most}, but found `{text}`{hint}"
         ))
     }
 }
@@ -27,7 +105,8 @@ impl FromStr for Angle {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Assignment {
     pub dof: String,
-    pub value: f64,
+    /// A number without a unit may also be of something else than an angle.
+    pub value: Angle,
 }
 
 impl FromStr for Assignment {
@@ -40,7 +119,7 @@ impl FromStr for Assignment {
             .ok_or_else(|| format!("expected DOF=VALUE, but found `{text}`"))?;
         Ok(Self {
             dof: dof.to_owned(),
-            value: value.parse::<Angle>()?.0,
+            value: value.parse()?,
         })
     }
 }
@@ -53,7 +132,7 @@ impl FromStr for Pixels {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (width, height) = text.split_once('x').unwrap_or((text, text));
+        let (width, height) = text.split_once(['x', 'X']).unwrap_or((text, text));
         let side = |side: &str| {
             side.parse()
                 .map_err(|_| format!("expected WIDTHxHEIGHT, but found `{text}`"))
@@ -101,6 +180,20 @@ fn numbers(text: &str) -> Result<Vec<f64>, String> {
 pub(super) struct Weight {
     pub morph: String,
     pub weight: f64,
+}
+
+impl Weight {
+    /// What weights are called among the degrees of freedom.
+    pub const PREFIX: &str = "morph.";
+
+    /// The degree of freedom, which may be typed as such.
+    pub fn dof(&self) -> String {
+        if self.morph.starts_with(Self::PREFIX) {
+            self.morph.clone()
+        } else {
+            format!("{}{}", Self::PREFIX, self.morph)
+        }
+    }
 }
 
 impl FromStr for Weight {
@@ -222,8 +315,8 @@ fn light(text: &str) -> Option<LightArg> {
 /// `azimuth,inclination[,distance]`: two angles, and a length in the rig's units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct OrbitView {
-    pub azimuth: f64,
-    pub inclination: f64,
+    pub azimuth: Angle,
+    pub inclination: Angle,
     pub distance: Option<f64>,
 }
 
@@ -246,16 +339,33 @@ impl FromStr for OrbitView {
             }
         };
         Ok(Self {
-            azimuth: azimuth.parse::<Angle>()?.0,
-            inclination: inclination.parse::<Angle>()?.0,
+            azimuth: azimuth.parse()?,
+            inclination: inclination.parse()?,
             distance,
         })
     }
 }
 
+/// A host and a port, as far as that can be told without asking for the host.
+pub(super) fn address(text: &str) -> Result<String, String> {
+    let parts = text.rsplit_once(':');
+    parts
+        .filter(|(host, port)| !host.is_empty() && !port.is_empty())
+        .map(|_| text.to_owned())
+        .ok_or_else(|| format!("expected HOST:PORT such as 127.0.0.1:7443, but found `{text}`"))
+}
+
 /// A number that is one.
 pub(super) fn number(text: &str) -> Result<f64, String> {
     finite(text, "a number", text)
+}
+
+/// A number above 0.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    let expected = || format!("expected a number above 0, but found `{text}`");
+    Some(finite(text, "a number above 0", text)?)
+        .filter(|number| *number > 0.0)
+        .ok_or_else(expected)
 }
 
 fn finite(number: &str, expected: &str, text: &str) -> Result<f64, String> {
@@ -271,15 +381,22 @@ fn finite(number: &str, expected: &str, text: &str) -> Result<f64, String> {
 mod tests {
     use super::*;
 
+    fn angle(radians: f64, unit: Unit) -> Angle {
+        Angle { radians, unit }
+    }
+
     #[test]
     fn angles_have_a_unit_or_are_radians() {
-        for (text, radians) in [
-            ("0.5", 0.5),
-            ("-2rad", -2.0),
-            ("180deg", std::f64::consts::PI),
-            ("1e-1", 0.1),
+        for (text, radians, unit, shown) in [
+            ("0.5", 0.5, Unit::None, "0.5rad"),
+            ("-2rad", -2.0, Unit::Radians, "-2rad"),
+            ("180deg", std::f64::consts::PI, Unit::Degrees, "180deg"),
+            ("180°", std::f64::consts::PI, Unit::Degrees, "180deg"),
+            ("1e-1", 0.1, Unit::None, "0.1rad"),
+            ("-1e-9deg", -1.0e-9_f64.to_radians(), Unit::Degrees, "0deg"),
         ] {
-            assert_eq!(text.parse(), Ok(Angle(radians)), "{text}");
+            assert_eq!(text.parse(), Ok(angle(radians, unit)), "{text}");
+            assert_eq!(unit.show(radians), shown);
         }
         for text in ["", "deg", "30 grad", "nan", "inf", "1e999"] {
             assert!(text.parse::<Angle>().is_err(), "{text}");
@@ -287,10 +404,40 @@ mod tests {
     }
 
     #[test]
+    fn more_than_a_turn_without_a_unit_is_doubted() {
+        for (text, is_odd) in [
+            ("30", true),
+            ("-7", true),
+            ("6.2", false),
+            ("400deg", false),
+            ("30rad", false),
+        ] {
+            let angle: Angle = text.parse().unwrap();
+            assert_eq!(angle.doubt().is_some(), is_odd, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_field_of_view_is_refused_in_the_unit_it_was_typed_in() {
+        assert_eq!("1".parse(), Ok(FieldOfView(1.0)));
+        for (text, wanted) in [
+            ("200deg", "from 0.01deg to 179.99deg, but found `200deg`"),
+            ("4rad", "from 0.0001rad to 3.1415rad, but found `4rad`"),
+            (
+                "45",
+                "but found `45`, which stands for radians; for degrees type 45deg",
+            ),
+        ] {
+            let error = text.parse::<FieldOfView>().unwrap_err();
+            assert!(error.ends_with(wanted), "{error}");
+        }
+    }
+
+    #[test]
     fn assignments_sizes_and_views() {
         let elbow = Assignment {
             dof: "elbow.rx".to_owned(),
-            value: 1.5,
+            value: angle(1.5, Unit::None),
         };
         assert_eq!("elbow.rx=1.5".parse(), Ok(elbow));
         assert_eq!("a=b.rx=1".parse::<Assignment>().unwrap().dof, "a=b.rx");
@@ -309,8 +456,8 @@ mod tests {
         assert_eq!(turned.quaternion, [0.0, 0.0, 0.0, 1.0]);
         assert!("hip=0,0,1".parse::<Rotation>().is_err());
         let view = OrbitView {
-            azimuth: 0.0,
-            inclination: std::f64::consts::FRAC_PI_2,
+            azimuth: angle(0.0, Unit::None),
+            inclination: angle(std::f64::consts::FRAC_PI_2, Unit::Degrees),
             distance: Some(4.0),
         };
         assert_eq!("0,90deg,4".parse(), Ok(view));

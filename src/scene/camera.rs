@@ -3,6 +3,7 @@
 use super::{Bounds, Ray, SceneError, Size};
 use glam::{DAffine3, DMat3, DMat4, DVec2, DVec3, DVec4};
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::RangeInclusive;
 
 /// How camera space falls onto pixels; (0, 0) is the top left corner of the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,9 +64,14 @@ pub struct Pinhole {
 }
 
 impl Orbit {
-    const AZIMUTH: f64 = PI / 6.0;
-    const INCLINATION: f64 = PI / 9.0;
+    /// Where none is given.
+    pub const AZIMUTH: f64 = PI / 6.0;
+    /// Where none is given.
+    pub const INCLINATION: f64 = PI / 9.0;
 }
+
+/// Fields of view that a camera can have. Closer to 0 or π nothing but rounding is left of a picture.
+pub const FOV_Y_RADIANS: RangeInclusive<f64> = 1e-4..=PI - 1e-4;
 
 /// Height of the field of view where none is given.
 const FOV_Y: f64 = 2.0 * PI / 9.0;
@@ -303,10 +309,8 @@ fn positive(number: f64, field: &'static str) -> Result<(), SceneError> {
 
 fn checked_fov(fov_y: Option<f64>) -> Result<f64, SceneError> {
     let fov_y = fov_y.unwrap_or(FOV_Y);
-    // Closer to 0 or π nothing but rounding is left of a picture.
-    let inside = (1e-4..=PI - 1e-4).contains(&fov_y);
     SceneError::unless(
-        inside,
+        FOV_Y_RADIANS.contains(&fov_y),
         "camera.fov_y",
         "radians from 0.0001 to 3.1414",
         fov_y,

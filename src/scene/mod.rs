@@ -7,7 +7,7 @@ mod light;
 mod query;
 
 pub use bounds::Bounds;
-pub use camera::{Camera, LookAt, Near, Orbit, Pinhole, Projection};
+pub use camera::{Camera, FOV_Y_RADIANS, LookAt, Near, Orbit, Pinhole, Projection};
 pub use light::{Falloff, Light};
 pub use query::{BoneRadius, Ray, Shape, VertexQuery};
 

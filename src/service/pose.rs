@@ -305,15 +305,22 @@ fn clip_at(
 fn named_dofs(dofs: &BTreeMap<String, f64>, rig: &Rig) -> Result<Vec<(usize, f64)>, EngineError> {
     let index = |(name, &value): (&String, &f64)| match rig.dofs().named(name) {
         Some(dof) => Ok((dof, value)),
-        None => {
-            let known = rig.dofs().all().iter().map(|dof| dof.name.as_str());
-            Err(no_such(
-                format!("pose.dofs.{name}"),
-                unknown("DOF", name, known),
-            ))
-        }
+        None => Err(no_such(format!("pose.dofs.{name}"), unknown_dof(name, rig))),
     };
     dofs.iter().map(index).collect()
+}
+
+/// What begins as the weights of morph targets do was meant for one.
+fn unknown_dof(name: &str, rig: &Rig) -> String {
+    // The beginning that all have would make any two look alike.
+    fn target(name: &str) -> Option<&str> {
+        name.strip_prefix("morph.")
+    }
+    let known = rig.dofs().all().iter().map(|dof| dof.name.as_str());
+    match target(name) {
+        Some(name) => unknown("morph target", name, known.filter_map(target)),
+        None => unknown("DOF", name, known),
+    }
 }
 
 fn rotations(

@@ -2,7 +2,10 @@
 
 mod tree;
 
-use super::{builtin, printable};
+use super::builtin;
+use super::exit::{self, Outcome};
+use super::terminal::{Warnings, print, printable};
+use super::values::{Unit, decimal};
 use crate::formats::Source;
 use crate::limits::Limits;
 use crate::protocol::rig::{
@@ -15,22 +18,29 @@ use std::fmt::Write;
 use tree::Tree;
 
 #[derive(Args)]
+#[command(after_long_help = exit::CODES)]
 pub(super) struct InspectArgs {
     /// Files of the rig, in any order; without any, as for `rigd serve`
     files: Vec<String>,
     /// Print what `rig.describe` would answer
     #[arg(long)]
     json: bool,
+    /// End with exit code 3 where there are warnings
+    #[arg(long)]
+    strict: bool,
 }
 
-pub(super) fn run(args: &InspectArgs) -> anyhow::Result<()> {
+pub(super) fn run(args: &InspectArgs) -> anyhow::Result<Outcome> {
     let files = builtin::files_or_default(&args.files);
     let rig = describe_files(&files, &Source::local(), &Limits::default())?;
     if args.json {
-        super::print(&serde_json::to_string_pretty(&rig)?)
+        print(&serde_json::to_string_pretty(&rig)?)?;
     } else {
-        super::print(printable(&text(&rig)?).trim_end())
+        print(printable(&text(&rig)?).trim_end())?;
     }
+    let mut warnings = Warnings::default();
+    warnings.count(rig.summary.warnings.len());
+    Ok(Outcome::of(&warnings, args.strict))
 }
 
 fn text(rig: &RigDescription) -> Result<String, std::fmt::Error> {
@@ -171,8 +181,8 @@ fn values_of(alike: &[&DofDescription]) -> String {
 
 fn number(kind: DofKind, value: f64) -> String {
     match kind {
-        DofKind::Rotation => format!("{:.1}°", value.to_degrees()),
-        DofKind::Translation | DofKind::Scale | DofKind::Morph => format!("{value:.4}"),
+        DofKind::Rotation => Unit::Degrees.show(value),
+        DofKind::Translation | DofKind::Scale | DofKind::Morph => decimal(value),
     }
 }
 

@@ -1,21 +1,25 @@
 //! What can be typed after `rigd render`. Never lives here: what it comes to.
 
 use crate::cli::RendererArgs;
+use crate::cli::exit;
 use crate::cli::values::{
-    Angle, Assignment, Fps, LightArg, OrbitView, Pixels, Rgba, Rotation, Seconds, Vector, Weight,
-    number,
+    Assignment, FieldOfView, Fps, LightArg, OrbitView, Pixels, Rgba, Rotation, Seconds, Vector,
+    Weight, number, positive,
 };
 use crate::protocol::{frame as wire, pose as wire_pose};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
 #[derive(Args)]
-#[command(after_help = SEQUENCES)]
+#[command(after_help = SEQUENCES, after_long_help = format!("{SEQUENCES}\n\n{}", exit::CODES))]
 pub(in crate::cli) struct RenderArgs {
     /// Files of the rig, in any order; without any, as for `rigd serve`
     pub files: Vec<String>,
     #[command(flatten)]
     pub renderer: RendererArgs,
+    /// End with exit code 3 where there were warnings; what was asked for is written all the same
+    #[arg(long)]
+    pub strict: bool,
     #[command(flatten)]
     pub output: OutputArgs,
     #[command(flatten)]
@@ -43,11 +47,16 @@ e.g. walk_0000.png for walk.png.
 #[derive(Args)]
 #[command(next_help_heading = "Output")]
 pub(in crate::cli) struct OutputArgs {
-    /// The file to write; its ending is .png, .gif or .apng
+    /// The file to write; its ending is .png, .gif or .apng. With - one picture goes to standard output as a PNG
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Width and height in pixels
-    #[arg(long, value_name = "WxH", default_value = "512x512")]
+    #[arg(
+        long,
+        value_name = "WxH",
+        default_value = "512x512",
+        allow_hyphen_values = true
+    )]
     pub size: Pixels,
     /// Samples of a pixel
     #[arg(long, value_name = "N", default_value = "4")]
@@ -62,7 +71,7 @@ pub(in crate::cli) struct OutputArgs {
 #[command(next_help_heading = "Sequence")]
 pub(in crate::cli) struct SequenceArgs {
     /// Draw N frames, once around the rig from the camera's azimuth
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_FRAMES)))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_FRAMES)), allow_negative_numbers = true)]
     pub turntable: Option<u32>,
     /// Frames a second, 24 without it; with --clip it asks for the whole clip also where the output is a .png
     #[arg(long, value_name = "F", allow_hyphen_values = true)]
@@ -93,10 +102,10 @@ pub(in crate::cli) struct PoseArgs {
         allow_hyphen_values = true
     )]
     pub rotations: Vec<Rotation>,
-    /// Set a degree of freedom in radians or with deg, e.g. elbow.rx=30deg; may be given many times
+    /// Set a degree of freedom: an angle in radians or with deg, e.g. elbow.rx=30deg, else a number; may be given many times
     #[arg(long = "set", value_name = "DOF=VALUE", allow_hyphen_values = true)]
     pub assignments: Vec<Assignment>,
-    /// Set the weight of a morph target, e.g. smile=0.5; may be given many times
+    /// Set the weight of a morph target, e.g. smile=0.5 or morph.smile=0.5; may be given many times
     #[arg(long = "morph", value_name = "NAME=WEIGHT", allow_hyphen_values = true)]
     pub morphs: Vec<Weight>,
     /// What becomes of a value past its limits
@@ -124,9 +133,20 @@ pub(in crate::cli) struct CameraArgs {
     /// The point to look at; without it, the middle of the rig at rest
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub target: Option<Vector<3>>,
+    /// The point to look from, in place of --camera
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        allow_hyphen_values = true,
+        conflicts_with = "camera"
+    )]
+    pub eye: Option<Vector<3>>,
     /// Angle that the picture is high (radians, or with deg)
-    #[arg(long, value_name = "ANGLE")]
-    pub fov: Option<Angle>,
+    #[arg(long, value_name = "ANGLE", allow_hyphen_values = true)]
+    pub fov: Option<FieldOfView>,
+    /// Draw without perspective, HEIGHT units of length high
+    #[arg(long, value_name = "HEIGHT", value_parser = positive, allow_hyphen_values = true, conflicts_with = "fov")]
+    pub ortho: Option<f64>,
 }
 
 #[derive(Args)]
@@ -139,22 +159,25 @@ pub(in crate::cli) struct LookArgs {
     #[arg(long, value_name = "HOW", default_value = "none")]
     pub skeleton: Skeleton,
     /// From 0 to 1; below 1 the skeleton shines through the skin
-    #[arg(long, value_name = "SHARE", default_value_t = 1.0, value_parser = number)]
+    #[arg(long, value_name = "SHARE", default_value_t = 1.0, value_parser = number, allow_hyphen_values = true)]
     pub skin_opacity: f64,
+    /// Whether to leave out the far side of closed skin
+    #[arg(long, value_name = "HOW", default_value = "auto")]
+    pub cull: Cull,
     /// Light each triangle by its own normal
     #[arg(long)]
     pub flat: bool,
     /// Color that the skin scatters
-    #[arg(long, value_name = "R,G,B")]
+    #[arg(long, value_name = "R,G,B", allow_hyphen_values = true)]
     pub diffuse: Option<Vector<3>>,
     /// Color of the highlight
-    #[arg(long, value_name = "R,G,B")]
+    #[arg(long, value_name = "R,G,B", allow_hyphen_values = true)]
     pub specular: Option<Vector<3>>,
     /// Exponent of the highlight: the higher, the smaller
-    #[arg(long, value_name = "EXPONENT", value_parser = number)]
+    #[arg(long, value_name = "EXPONENT", value_parser = number, allow_hyphen_values = true)]
     pub shininess: Option<f64>,
     /// What stands behind the rig; alpha 0 makes it transparent
-    #[arg(long, value_name = "R,G,B[,A]")]
+    #[arg(long, value_name = "R,G,B[,A]", allow_hyphen_values = true)]
     pub background: Option<Rgba>,
 }
 
@@ -164,7 +187,7 @@ pub(in crate::cli) struct LightArgs {
     #[arg(long = "light", value_name = "LIGHT", help = LIGHTS)]
     pub lights: Vec<LightArg>,
     /// Light from everywhere
-    #[arg(long, value_name = "R,G,B")]
+    #[arg(long, value_name = "R,G,B", allow_hyphen_values = true)]
     pub ambient: Option<Vector<3>>,
 }
 
@@ -191,6 +214,7 @@ words! {
     Skin is wire::ShowSkin { Posed, Bind, None, }
     Skeleton is wire::ShowSkeleton { None, Wireframe, Boxes, Sticks, Cylinders, }
     Skinning is wire::Skinning { Linear, DualQuaternion, }
+    Cull is wire::Cull { Auto, Never, }
     Compression is wire::Compression { Fast, Default, Best, }
     Samples is wire::Samples { #[value(name = "1")] One, #[value(name = "4")] Four, }
     Limits is wire_pose::LimitPolicy { Clamp, Reject, Ignore, }

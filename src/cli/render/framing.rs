@@ -1,9 +1,9 @@
 //! A camera for a whole clip: the protocol's own frames the rig at rest, and a clip may lead it away from there.
 //! Never lives here: where the camera looks from.
 
+use super::view::{Lens, View};
 use crate::cli::local;
 use crate::protocol::blob::ArrayTransport;
-use crate::protocol::camera::{Camera as WireCamera, Orbit};
 use crate::protocol::frame::{FrameParams, ShowSkeleton, ShowSkin};
 use crate::protocol::mesh::{VertexState, Vertices, VerticesParams};
 use crate::protocol::pose::{JointTransform, Pose, Transforms, TransformsParams};
@@ -18,14 +18,12 @@ const MOMENTS: u32 = 24;
 /// Chooses target and distance, where the user has not, so that the rig stays in the picture from `start` to `end`, in seconds. They are
 /// the same in every frame.
 pub(super) fn frame_clip(
-    request: &mut FrameParams,
+    view: &mut View,
+    request: &FrameParams,
     [start, end]: [f64; 2],
     service: &Arc<Service>,
 ) -> anyhow::Result<()> {
-    let WireCamera::Orbit(orbit) = request.camera else {
-        return Ok(());
-    };
-    if orbit.target.is_some() && orbit.distance.is_some() {
+    if view.target.is_some() && view.distance.is_some() {
         return Ok(());
     }
     let mut corners = Vec::new();
@@ -39,12 +37,14 @@ pub(super) fn frame_clip(
     }
     let bounds = Bounds::of(corners).unwrap_or(Bounds::ORIGIN);
     let [width, height] = request.size;
-    let fits = Camera::distance_to_fit(&bounds, orbit.fov_y, Size { width, height });
-    request.camera = WireCamera::Orbit(Orbit {
-        target: orbit.target.or(Some(bounds.center().to_array())),
-        distance: orbit.distance.or(Some(fits)),
-        ..orbit
-    });
+    let fov_y = match view.lens {
+        Lens::Perspective { fov_y } => fov_y,
+        // It sees as much from any distance.
+        Lens::Orthographic { .. } => None,
+    };
+    let fits = Camera::distance_to_fit(&bounds, fov_y, Size { width, height });
+    view.target = view.target.or(Some(bounds.center()));
+    view.distance = view.distance.or(Some(fits));
     Ok(())
 }
 

@@ -2,75 +2,112 @@
 //! Never lives here: anything that is not asked of the service by a request.
 
 mod args;
+mod flags;
 mod framing;
 mod output;
 mod request;
 mod shots;
+mod typed;
+mod view;
 
 pub(super) use args::RenderArgs;
 
-use super::{local, print, printable};
+use super::exit::{Outcome, Stopped};
+use super::files::Destination;
+use super::local;
+use super::terminal::{Warnings, print, printable};
 use crate::encode::{AnimatedGif, Compression};
 use crate::formats::Source;
+use crate::limits::Limits;
 use crate::protocol::frame as wire;
-use crate::protocol::pose::Clamped;
-use crate::scene::Size;
+use crate::protocol::rig::{RigDescription, RigParams};
+use crate::scene::{Size, SizeError};
 use crate::service::Service;
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use output::{Format, Reel, Terms};
 use shots::{Motion, Shots};
 use signal_hook::consts::{SIGINT, SIGTERM};
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::VecDeque;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use typed::Clamps;
 
 /// Frames that are drawn or wait for it while one is written: two keep the renderer busy, and three of the largest stay within what one
 /// client may have in flight.
 const IN_FLIGHT: usize = 3;
 
-pub(super) fn run(args: &RenderArgs) -> anyhow::Result<()> {
-    let format = Format::of(&args.output.output)?;
+pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
+    let output = Destination::from(args.output.output.as_path());
+    let format = Format::of(&output)?;
     let [width, height] = args.output.size.0;
+    let size = Size::new(width, height, &Limits::default()).map_err(|error| match error {
+        SizeError::Scene(error) => anyhow!("--size: expected {error}"),
+        SizeError::Limit(error) => anyhow!("--size: {error}"),
+    })?;
     let (motion, rate) = (args.motion(format)?, args.rate()?);
     if format == Format::Gif {
         AnimatedGif::<Vec<u8>>::accept(rate)?;
     }
+    if output == Destination::StandardOutput && motion != Motion::Still {
+        bail!("--output: a sequence needs a file that ends in .png, .gif or .apng, but found `-`");
+    }
     let mut request = args.request("")?;
     request.image = format.image();
-    let compression = of_compression(request.compression);
-
-    let engine = args.renderer.open()?;
-    request.rig = local::load(&engine, &args.files)?.name.clone();
-    let service = Service::new(engine, Source::inline_only());
-    let shots = Shots::new(args, motion, rate, request, &service)?;
     let terms = Terms {
-        path: args.output.output.clone(),
+        output,
         format,
         rate,
-        compression,
-        frames: (motion != Motion::Still).then(|| shots.count()),
+        compression: of_compression(request.compression),
+        frames: None,
     };
-    let reel = Reel::new(terms, Size { width, height });
-    let written = draw(&service, &shots, reel)?;
-    print(&printable(&written))
+
+    let mut warnings = Warnings::default();
+    let engine = args.renderer.open()?;
+    request.rig = local::load(&engine, &args.files, &mut warnings)?
+        .name
+        .clone();
+    let service = Service::new(engine, Source::inline_only());
+    let params = RigParams {
+        rig: request.rig.clone(),
+    };
+    let (rig, _) = local::ask::<_, RigDescription>(&service, "rig.describe", &params)?;
+    args.check_numbers(&rig, &mut warnings)?;
+    let clamps = Clamps::new(args, &rig);
+    let draw = || {
+        let shots = Shots::new(args, motion, rate, request, &rig, &service)?;
+        let frames = (motion != Motion::Still).then(|| shots.count());
+        let reel = Reel::new(Terms { frames, ..terms }, size);
+        draw(&service, &shots, reel, clamps, &mut warnings)
+    };
+    let written = draw().map_err(|error| flags::told_by_option(error, args, &rig))?;
+    if let Some(written) = written {
+        print(&printable(&written))?;
+    }
+    Ok(Outcome::of(&warnings, args.strict))
 }
 
 /// Asks for all frames, a few at a time, and writes them in order as they come.
-fn draw(service: &Arc<Service>, shots: &Shots, mut reel: Reel) -> anyhow::Result<String> {
+fn draw(
+    service: &Arc<Service>,
+    shots: &Shots,
+    mut reel: Reel,
+    mut clamps: Clamps,
+    warnings: &mut Warnings,
+) -> anyhow::Result<Option<String>> {
     let mut conversation = service.converse();
     let mut to_ask = 0..shots.count();
     let mut asked = VecDeque::with_capacity(IN_FLIGHT);
-    let mut clamped = BTreeSet::new();
     let progress = progress(shots.count());
-    let stopped = Arc::new(AtomicBool::new(false));
+    let stopped_by = Arc::new(AtomicUsize::new(0));
     for signal in [SIGINT, SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&stopped))?;
+        signal_hook::flag::register_usize(signal, Arc::clone(&stopped_by), signal as usize)?;
     }
     loop {
         // Here and not wherever it comes: what is half written is then cleared away.
-        if stopped.load(Ordering::Relaxed) {
-            bail!("stopped");
+        match stopped_by.load(Ordering::Relaxed) as i32 {
+            0 => {}
+            signal => return Err(Stopped { signal }.into()),
         }
         while asked.len() < IN_FLIGHT
             && let Some(index) = to_ask.next()
@@ -80,7 +117,7 @@ fn draw(service: &Arc<Service>, shots: &Shots, mut reel: Reel) -> anyhow::Result
         }
         let Some(next) = asked.pop_front() else { break };
         let (frame, attached) = local::read::<wire::Frame>(next)?;
-        progress.suspend(|| warn(&frame.clamped, &mut clamped));
+        progress.suspend(|| clamps.tell(&frame.clamped, warnings));
         let picture = frame.images.get("color");
         let picture = picture.context("a frame has a color picture")?;
         reel.push(picture.bytes(&attached)?.into())?;
@@ -88,16 +125,6 @@ fn draw(service: &Arc<Service>, shots: &Shots, mut reel: Reel) -> anyhow::Result
     }
     progress.finish_and_clear();
     reel.finish()
-}
-
-/// Once for each degree of freedom, however many frames clamp it.
-fn warn(found: &[Clamped], told: &mut BTreeSet<String>) {
-    for Clamped { dof, asked, used } in found {
-        if told.insert(dof.clone()) {
-            let dof = printable(dof);
-            eprintln!("warning: {dof} of {asked} is past its limit; used {used}");
-        }
-    }
 }
 
 /// On standard error, and only where that is a terminal.

@@ -1,12 +1,13 @@
-//! The files of a sequence, each of which takes its name when it is whole. Never lives here: how frames are drawn or packed.
+//! The files of a sequence. Never lives here: how frames are drawn or packed.
 
+use crate::cli::files::{self, Destination, Unfinished, numbered};
 use crate::encode::{AnimatedGif, AnimatedPng, Compression, FrameRate};
 use crate::frame::Frame;
 use crate::protocol::frame::ImageFormat;
 use crate::scene::Size;
 use anyhow::{Context, bail};
 use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 /// What the ending of the output's name asks for.
@@ -18,14 +19,17 @@ pub(super) enum Format {
 }
 
 impl Format {
-    pub fn of(path: &Path) -> anyhow::Result<Self> {
+    pub fn of(output: &Destination) -> anyhow::Result<Self> {
+        let Destination::File(path) = output else {
+            return Ok(Self::Png);
+        };
         let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
         match ending.to_str() {
             Some("png") => Ok(Self::Png),
             Some("gif") => Ok(Self::Gif),
             Some("apng") => Ok(Self::Apng),
             _ => bail!(
-                "expected an output that ends in .png, .gif or .apng, but found `{}`",
+                "--output: expected a name that ends in .png, .gif or .apng, or - for a PNG to standard output, but found `{}`",
                 path.display()
             ),
         }
@@ -43,7 +47,7 @@ impl Format {
 /// How a sequence is to be written.
 #[derive(Debug, Clone)]
 pub(super) struct Terms {
-    pub path: PathBuf,
+    pub output: Destination,
     pub format: Format,
     pub rate: FrameRate,
     pub compression: Compression,
@@ -79,39 +83,31 @@ impl Reel {
 
     /// `picture` is as [`Format::image`] has it.
     pub fn push(&mut self, picture: Vec<u8>) -> anyhow::Result<()> {
-        let path = match self.terms.format {
-            Format::Png => self.terms.name(self.taken),
-            Format::Gif | Format::Apng => self.terms.path.clone(),
-        };
-        let written = match self.terms.format {
-            Format::Png => whole(&path, &picture).map(|()| self.bytes += picture.len() as u64),
-            Format::Gif | Format::Apng => {
-                let (size, pixels) = (self.size, picture);
-                self.animate(&Frame {
-                    size,
-                    pixels: pixels.into(),
-                })
-            }
-        };
+        let (number, size) = (self.taken, self.size);
         self.taken += 1;
-        written.with_context(|| format!("cannot write {}", path.display()))
-    }
-
-    fn animate(&mut self, frame: &Frame) -> anyhow::Result<()> {
-        let (animation, _) = match &mut self.animation {
-            Some(begun) => begun,
-            none => none.insert(self.terms.begin(frame.size)?),
-        };
-        match animation {
-            Animation::Gif(gif) => gif.push(frame)?,
-            Animation::Apng(apng) => apng.push(frame)?,
+        match (&self.terms.output, self.terms.format) {
+            (Destination::StandardOutput, _) => files::write_to_stdout(&picture),
+            (Destination::File(path), Format::Png) => {
+                self.bytes += picture.len() as u64;
+                files::write(&self.terms.name(path, number), &picture)
+            }
+            (Destination::File(path), Format::Gif | Format::Apng) => {
+                let context = format!("cannot write {}", path.display());
+                let pixels = picture.into();
+                let begun = &mut self.animation;
+                self.terms
+                    .animate(path, begun, &Frame { size, pixels })
+                    .context(context)
+            }
         }
-        Ok(())
     }
 
-    /// Gives the files their names, and says what was written.
-    pub fn finish(mut self) -> anyhow::Result<String> {
-        let path = self.terms.path.display().to_string();
+    /// Gives the files their names, and says what was written, where that is not on standard output.
+    pub fn finish(mut self) -> anyhow::Result<Option<String>> {
+        let Destination::File(output) = &self.terms.output else {
+            return Ok(None);
+        };
+        let path = output.display();
         if let Some((animation, unfinished)) = self.animation.take() {
             let context = || format!("cannot write {path}");
             match animation {
@@ -120,44 +116,59 @@ impl Reel {
             }
             .with_context(context)?;
             unfinished.name().with_context(context)?;
-            self.bytes = fs::metadata(&self.terms.path).map_or(0, |file| file.len());
+            self.bytes = fs::metadata(output).map_or(0, |file| file.len());
         }
         let rate = self.terms.rate.per_second();
         let size = format!("{}x{}", self.size.width, self.size.height);
-        Ok(match (self.terms.frames, self.terms.format) {
-            (None, _) => format!("{path} ({size}, {} bytes)", self.bytes),
+        let bytes = self.bytes;
+        Ok(Some(match (self.terms.frames, self.terms.format) {
+            (None, Format::Png) => format!("{path} ({size}, {bytes} bytes)"),
             (Some(frames), Format::Png) => {
-                let (first, last) = (self.terms.name(0), self.terms.name(frames - 1));
-                format!(
-                    "{} to {} ({frames} frames of {size}, {} bytes)",
-                    first.display(),
-                    last.display(),
-                    self.bytes
-                )
+                let (first, last) = (
+                    self.terms.name(output, 0),
+                    self.terms.name(output, frames - 1),
+                );
+                let (first, last) = (first.display(), last.display());
+                format!("{first} to {last} ({frames} frames of {size}, {bytes} bytes)")
             }
-            (Some(frames), _) => format!(
-                "{path} ({frames} frames of {size} at {rate} a second, {} bytes)",
-                self.bytes
+            (None | Some(1), Format::Gif | Format::Apng) => format!(
+                "{path} (a single frame of {size}, {bytes} bytes; --turntable, or --clip without --time, draws more)"
             ),
-        })
+            (Some(frames), Format::Gif | Format::Apng) => {
+                format!("{path} ({frames} frames of {size} at {rate} a second, {bytes} bytes)")
+            }
+        }))
     }
 }
 
 impl Terms {
-    /// The file of one frame: numbered from 0 with four digits, or as many as the last one needs.
-    fn name(&self, frame: u32) -> PathBuf {
-        let Some(frames) = self.frames else {
-            return self.path.clone();
-        };
-        let digits = frames.saturating_sub(1).to_string().len().max(4);
-        let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
-        let ending = self.path.extension().unwrap_or_default().to_string_lossy();
-        let name = format!("{stem}_{frame:0digits$}.{ending}");
-        self.path.with_file_name(name)
+    /// The file of one frame.
+    fn name(&self, path: &Path, frame: u32) -> PathBuf {
+        match self.frames {
+            Some(frames) => numbered(path, frame as usize, frames as usize),
+            None => path.to_owned(),
+        }
     }
 
-    fn begin(&self, size: Size) -> anyhow::Result<(Animation, Unfinished)> {
-        let (unfinished, file) = Unfinished::create(&self.path)?;
+    fn animate(
+        &self,
+        path: &Path,
+        begun: &mut Option<(Animation, Unfinished)>,
+        frame: &Frame,
+    ) -> anyhow::Result<()> {
+        let (animation, _) = match begun {
+            Some(begun) => begun,
+            none => none.insert(self.begin(path, frame.size)?),
+        };
+        match animation {
+            Animation::Gif(gif) => gif.push(frame)?,
+            Animation::Apng(apng) => apng.push(frame)?,
+        }
+        Ok(())
+    }
+
+    fn begin(&self, path: &Path, size: Size) -> anyhow::Result<(Animation, Unfinished)> {
+        let (unfinished, file) = Unfinished::create(path)?;
         let (file, rate, compression) = (BufWriter::new(file), self.rate, self.compression);
         let animation = match self.format {
             Format::Apng => {
@@ -167,52 +178,6 @@ impl Terms {
             _ => Animation::Gif(AnimatedGif::new(file, size, rate, compression)?),
         };
         Ok((animation, unfinished))
-    }
-}
-
-fn whole(path: &Path, content: &[u8]) -> anyhow::Result<()> {
-    let (unfinished, mut file) = Unfinished::create(path)?;
-    file.write_all(content)?;
-    Ok(unfinished.name()?)
-}
-
-/// A file beside the one that it is to become. Dropped before it got its name, it is removed.
-struct Unfinished {
-    /// `None` for what is no file but e.g. a pipe, which is written to as it is.
-    part: Option<PathBuf>,
-    target: PathBuf,
-}
-
-impl Unfinished {
-    fn create(path: &Path) -> std::io::Result<(Self, File)> {
-        // A link is not replaced, but what it leads to.
-        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        if fs::metadata(&target).is_ok_and(|found| !found.is_file()) {
-            let file = File::options().write(true).open(&target)?;
-            return Ok((Self { part: None, target }, file));
-        }
-        // Not made of the file's own name, which may be as long as names can be.
-        let part = target.with_file_name(format!(".rigd-{}.part", std::process::id()));
-        let file = File::create(&part)?;
-        let part = Some(part);
-        Ok((Self { part, target }, file))
-    }
-
-    fn name(mut self) -> std::io::Result<()> {
-        if let Some(part) = &self.part {
-            fs::rename(part, &self.target)?;
-        }
-        self.part = None;
-        Ok(())
-    }
-}
-
-impl Drop for Unfinished {
-    fn drop(&mut self) {
-        if let Some(part) = &self.part {
-            // Whoever stopped has said why; that this is left over is the lesser trouble.
-            let _ = fs::remove_file(part);
-        }
     }
 }
 
@@ -231,10 +196,11 @@ mod tests {
         folder
     }
 
-    fn terms(path: PathBuf, frames: Option<u32>) -> Terms {
+    fn terms(path: &Path, frames: Option<u32>) -> Terms {
+        let output = Destination::from(path);
         Terms {
-            format: Format::of(&path).unwrap(),
-            path,
+            format: Format::of(&output).unwrap(),
+            output,
             rate: FrameRate::new(24.0).unwrap(),
             compression: Compression::Fast,
             frames,
@@ -248,25 +214,12 @@ mod tests {
     }
 
     #[test]
-    fn frames_are_numbered_with_four_digits_or_as_many_as_it_takes() {
-        for (frames, frame, name) in [
-            (None, 0, "out/walk.one.png"),
-            (Some(1), 0, "out/walk.one_0000.png"),
-            (Some(10_000), 9_999, "out/walk.one_9999.png"),
-            (Some(10_001), 7, "out/walk.one_00007.png"),
-        ] {
-            let terms = terms("out/walk.one.png".into(), frames);
-            assert_eq!(terms.name(frame), Path::new(name), "{frames:?}");
-        }
-    }
-
-    #[test]
     fn a_file_that_is_not_finished_leaves_no_trace_and_what_was_there_stays() {
         let folder = folder("unfinished");
         for name in ["walk.gif", "walk.apng"] {
             let path = folder.join(name);
             fs::write(&path, "old").unwrap();
-            let mut reel = Reel::new(terms(path.clone(), Some(3)), SIZE);
+            let mut reel = Reel::new(terms(&path, Some(3)), SIZE);
             reel.push(vec![9; 24]).unwrap();
             assert_eq!(names(&folder).len(), 2, "the file and its part");
             drop(reel);
@@ -275,7 +228,7 @@ mod tests {
             fs::remove_file(&path).unwrap();
         }
         // One frame of the three that its header promises.
-        let mut reel = Reel::new(terms(folder.join("walk.apng"), Some(3)), SIZE);
+        let mut reel = Reel::new(terms(&folder.join("walk.apng"), Some(3)), SIZE);
         reel.push(vec![9; 24]).unwrap();
         assert!(reel.finish().is_err());
         assert!(names(&folder).is_empty());
@@ -287,10 +240,11 @@ mod tests {
         let folder = folder("finished");
         let path = folder.join("walk.gif");
         fs::write(&path, "old").unwrap();
-        let mut reel = Reel::new(terms(path.clone(), Some(2)), SIZE);
+        let mut reel = Reel::new(terms(&path, Some(2)), SIZE);
         reel.push(vec![9; 24]).unwrap();
         reel.push(vec![200; 24]).unwrap();
-        assert!(reel.finish().unwrap().contains("2 frames of 3x2 at 24"));
+        let said = reel.finish().unwrap().unwrap();
+        assert!(said.contains("2 frames of 3x2 at 24"), "{said}");
         assert!(fs::read(&path).unwrap().starts_with(b"GIF89a"));
         assert_eq!(names(&folder), ["walk.gif"]);
         fs::remove_dir_all(&folder).unwrap();

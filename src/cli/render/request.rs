@@ -1,25 +1,25 @@
 //! From what was typed to a frame request. Never lives here: which frames of a sequence are asked for.
 
-use super::args::{CameraArgs, LightArgs, LookArgs, PoseArgs, RenderArgs};
-use crate::cli::values::{Assignment, LightArg, Rotation, Weight};
+use super::args::{LightArgs, LookArgs, PoseArgs, RenderArgs};
+use crate::cli::values::{Assignment, LightArg, Rotation};
 use crate::protocol::blob::PictureTransport;
-use crate::protocol::camera::{Camera, Light, Orbit};
+use crate::protocol::camera::Light;
 use crate::protocol::frame::{FrameParams, Material, Show, ShowNormals};
 use crate::protocol::pose::Pose;
 use anyhow::bail;
 
 impl RenderArgs {
-    /// A request for one frame, but for the moment of a clip.
+    /// A request for one frame, but for the camera and the moment of a clip.
     pub(super) fn request(&self, rig: &str) -> anyhow::Result<FrameParams> {
         Ok(FrameParams {
             pose: self.pose.pose(),
             skinning: self.pose.skinning.into(),
             show: self.look.show(),
-            camera: Camera::Orbit(self.camera.orbit()),
             lights: self.light.lights()?,
             ambient: self.light.ambient.map(|ambient| ambient.0),
             material: self.look.material(),
             background: self.look.background.map(|background| background.0),
+            cull: self.look.cull.into(),
             size: self.output.size.0,
             samples: self.output.samples.into(),
             compression: self.output.compression.into(),
@@ -32,9 +32,9 @@ impl RenderArgs {
 impl PoseArgs {
     fn pose(&self) -> Pose {
         let dofs = self.assignments.iter().cloned();
-        let dofs = dofs.map(|Assignment { dof, value }| (dof, value));
+        let dofs = dofs.map(|Assignment { dof, value }| (dof, value.radians));
         let morphs = self.morphs.iter();
-        let morphs = morphs.map(|Weight { morph, weight }| (format!("morph.{morph}"), *weight));
+        let morphs = morphs.map(|morph| (morph.dof(), morph.weight));
         let rotations = self.rotations.iter().cloned();
         let rotations = rotations.map(|Rotation { joint, quaternion }| (joint, quaternion));
         Pose {
@@ -42,19 +42,6 @@ impl PoseArgs {
             dofs: dofs.chain(morphs).collect(),
             limits: self.limits.into(),
             ..Pose::default()
-        }
-    }
-}
-
-impl CameraArgs {
-    fn orbit(&self) -> Orbit {
-        Orbit {
-            target: self.target.map(|target| target.0),
-            distance: self.camera.and_then(|camera| camera.distance),
-            azimuth: self.camera.map(|camera| camera.azimuth),
-            inclination: self.camera.map(|camera| camera.inclination),
-            fov_y: self.fov.map(|fov| fov.0),
-            near: None,
         }
     }
 }

@@ -3,16 +3,16 @@
 use super::args::{MOST_FRAMES, RenderArgs};
 use super::framing::frame_clip;
 use super::output::Format;
-use crate::cli::local;
+use super::view::{View, rest_of};
 use crate::cli::values::Seconds;
 use crate::encode::FrameRate;
-use crate::protocol::camera::Camera;
 use crate::protocol::frame::FrameParams;
 use crate::protocol::pose::ClipAt;
-use crate::protocol::rig::{RigDescription, RigParams};
+use crate::protocol::rig::RigDescription;
+use crate::scene::{Bounds, Orbit};
 use crate::service::Service;
 use anyhow::{Context, bail};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// What changes from frame to frame.
@@ -26,8 +26,6 @@ pub(super) enum Motion {
     Clip,
 }
 
-/// What the protocol takes where a camera has no azimuth.
-const DEFAULT_AZIMUTH: f64 = PI / 6.0;
 const DEFAULT_FPS: f64 = 24.0;
 
 impl RenderArgs {
@@ -54,7 +52,11 @@ impl RenderArgs {
 
 /// The frames to draw.
 pub(super) struct Shots {
+    /// But for the camera.
     request: FrameParams,
+    view: View,
+    /// What the rig takes up at rest.
+    rest: Bounds,
     count: u32,
     turntable: Option<Turntable>,
     /// When the clip starts, where it is played.
@@ -74,10 +76,13 @@ impl Shots {
         motion: Motion,
         rate: FrameRate,
         mut request: FrameParams,
+        rig: &RigDescription,
         service: &Arc<Service>,
     ) -> anyhow::Result<Self> {
+        let rest = rest_of(rig);
+        let mut view = args.camera.view(&rest)?;
         let range = match (&args.pose.clip, args.pose.time) {
-            (Some(clip), None) => clip_range(service, &request.rig, clip)?,
+            (Some(clip), None) => clip_range(rig, clip),
             _ => [0.0; 2],
         };
         request.pose.clip = args.pose.clip.clone().map(|name| ClipAt {
@@ -86,19 +91,20 @@ impl Shots {
         });
         let plays = args.pose.plays_clip() && motion != Motion::Still;
         if plays {
-            frame_clip(&mut request, range, service)?;
+            frame_clip(&mut view, &request, range, service)?;
         }
-        let azimuth = args.camera.camera.map(|camera| camera.azimuth);
         let (count, turntable) = match motion {
             Motion::Still => (1, None),
             Motion::Turntable(frames) => {
-                let from = azimuth.unwrap_or(DEFAULT_AZIMUTH);
+                let from = view.azimuth.unwrap_or(Orbit::AZIMUTH);
                 (frames, Some(Turntable { from, frames }))
             }
             Motion::Clip => (frames_of(range[1] - range[0], rate)?, None),
         };
         Ok(Self {
             request,
+            view,
+            rest,
             count,
             turntable,
             played_from: plays.then_some(range[0]),
@@ -113,10 +119,12 @@ impl Shots {
     /// What to ask for the frame of that index.
     pub fn request(&self, index: u32) -> FrameParams {
         let mut request = self.request.clone();
-        if let (Some(turntable), Camera::Orbit(orbit)) = (self.turntable, &mut request.camera) {
+        let mut view = self.view.clone();
+        if let Some(turntable) = self.turntable {
             let share = f64::from(index) / f64::from(turntable.frames);
-            orbit.azimuth = Some(turntable.from + TAU * share);
+            view.azimuth = Some(turntable.from + TAU * share);
         }
+        request.camera = view.camera(&self.rest);
         if let (Some(from), Some(clip)) = (self.played_from, &mut request.pose.clip) {
             clip.time = from + self.rate.seconds(index);
         }
@@ -133,14 +141,10 @@ fn frames_of(seconds: f64, rate: FrameRate) -> anyhow::Result<u32> {
     Ok(frames as u32)
 }
 
-fn clip_range(service: &Arc<Service>, rig: &str, clip: &str) -> anyhow::Result<[f64; 2]> {
-    let params = RigParams {
-        rig: rig.to_owned(),
-    };
-    let (rig, _) = local::ask::<_, RigDescription>(service, "rig.describe", &params)?;
+fn clip_range(rig: &RigDescription, clip: &str) -> [f64; 2] {
     let found = rig.clips.iter().find(|found| found.name == clip);
     // What is wrong with the name of one that is not there, the frame request will be told.
-    Ok(found.map_or([0.0; 2], |found| found.range))
+    found.map_or([0.0; 2], |found| found.range)
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use crate::engine::{EngineError, RendererChoice};
 use crate::render::gpu::{Finished, Gpu, InFlight};
 use crate::render::{AdapterError, Outputs, Plan, RenderError};
 use std::collections::VecDeque;
+use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -253,7 +254,12 @@ impl Thread {
             self.gpu = None;
             let in_flight = std::mem::take(&mut self.in_flight);
             failed.extend(in_flight.into_iter().flat_map(|started| started.jobs));
-            eprintln!("rigd: {error}; {} requests were on it", failed.len());
+            // Where standard error cannot be written there is nobody left to tell.
+            let _ = writeln!(
+                std::io::stderr(),
+                "rigd: {error}; {} requests were on it",
+                failed.len()
+            );
         }
         for job in failed {
             self.answer(job.reply, Err(error.clone().into()));
