@@ -12,13 +12,14 @@
 //! | [`engine`] | [`rig`] [`formats`] [`pose`] [`pick`] [`scene`] [`frame`] [`render`] [`limits`] | the use-cases in plain types; the store of rigs; whoever draws: the thread that owns the device, or the pool |
 //! | [`render`] | [`rig`] [`pose`] [`scene`] [`frame`] [`limits`] | a plan and two renderers of it, [`render::gpu`] and [`render::cpu`], which never name each other |
 //! | [`encode`] | [`frame`] [`scene`] | from frames to PNG, animated PNG and GIF |
-//! | [`formats`] | [`rig`] [`limits`] | files to rigs, and where files come from |
+//! | [`formats`] | [`rig`] [`spelling`] [`limits`] | files to rigs, and where files come from |
 //! | [`pick`] | [`rig`] [`pose`] [`scene`] [`frame`] | rays against bones and skin |
 //! | [`pose`] | [`rig`] | joint angles, limits, forward kinematics, the skinning palette |
 //! | [`frame`] | [`scene`] | what came out of a renderer |
 //! | [`scene`] | [`limits`] | what to draw: cameras, lights, surfaces |
 //! | [`rig`] | [`limits`] | the format-free character, valid by construction |
-//! | [`protocol`] | | wire types, error kinds, the OpenRPC document |
+//! | [`protocol`] | [`spelling`] | wire types, error kinds, the OpenRPC document |
+//! | [`spelling`] | | the known name that an unknown one may have been meant for |
 //! | [`limits`] | | every ceiling, with unit and reason |
 //!
 //! # Homes of what comes from outside
@@ -31,7 +32,8 @@
 //! | `fearless_simd` | [`render::cpu`] |
 //! | `image` | [`encode`] [`formats`] |
 //! | `cap_std` `sha2` `gltf_json` | [`formats`] |
-//! | `strsim` `schemars` | [`protocol`] |
+//! | `schemars` | [`protocol`] |
+//! | `strsim` | [`spelling`] |
 //! | `base64_simd` `serde_path_to_error` | [`protocol`] [`formats`] |
 //! | `serde` `serde_json` | [`protocol`] [`service`] [`client`] [`cli`] [`formats`] |
 //! | `memory_stats` | [`service`] |
@@ -71,3 +73,4 @@ pub mod rig;
 pub mod scene;
 pub mod server;
 pub mod service;
+pub mod spelling;

@@ -216,7 +216,7 @@ fn assert_is_sound(loaded: &Loaded) {
 }
 
 fn mutated(text: &str, random: &mut Random) -> Vec<u8> {
-    const PIECES: [&[u8]; 24] = [
+    const PIECES: [&[u8]; 29] = [
         b"{",
         b"}",
         b" ",
@@ -241,6 +241,11 @@ fn mutated(text: &str, random: &mut Random) -> Vec<u8> {
         b"smooth",
         b"a.rig",
         b"f 1 2 3",
+        b"//",
+        b"#",
+        b"/*",
+        b"\n;",
+        b"\"",
     ];
     let mut bytes = text.as_bytes().to_vec();
     for _ in 0..=random.below(3) {
@@ -439,7 +444,7 @@ fn a_number_too_large_to_work_with_is_told_of_the_file_it_is_in() {
 }
 
 #[test]
-fn encodings_that_are_not_utf8_are_refused_by_name() {
+fn utf16_and_bytes_that_are_no_text_are_refused_by_name() {
     let utf16: Vec<u8> = "\u{FEFF}balljoint a { }"
         .encode_utf16()
         .flat_map(u16::to_le_bytes)
@@ -449,13 +454,10 @@ fn encodings_that_are_not_utf8_are_refused_by_name() {
         found.to_string(),
         "a.skel:1:1: expected UTF-8 text, but found UTF-16 text"
     );
-    let found = fault(load_files(&[(
-        "a.skel",
-        b"balljoint a {\n\tballjoint kn\xE4 { } }",
-    )]));
+    let found = fault(load_files(&[("a.skel", b"balljoint a\0b { }")]));
     assert_eq!(
         found.to_string(),
-        "a.skel:2:14: expected UTF-8 text, but found the byte 0xE4"
+        "a.skel:1:12: expected UTF-8 text, but found the byte 0x00"
     );
     let rig = load_files(&[("a.skel", "\u{FEFF}balljoint Knäuel { }".as_bytes())])
         .expect("it is UTF-8")

@@ -8,6 +8,7 @@ use super::cse169::skin::{self, BoundTo, SkinMaterial};
 use super::error::LoadError;
 use super::files::{Files, Gathered};
 use super::gltf;
+use super::lexer::Lexer;
 use super::mit;
 use super::mit::attach::AttachedTo;
 use super::parts::Parts;
@@ -70,9 +71,11 @@ impl Assembly<'_, '_> {
     fn read_skeleton(&mut self) -> Result<(), LoadError> {
         if let Some(file) = &self.parts.skeleton {
             let warnings = &mut self.draft.warnings;
+            let text = file.uncommented(warnings)?;
+            let lexer = Lexer::new(&file.name, &text);
             self.draft.joints = match file.kind {
-                Kind::MitSkel => mit::skel::read(file.lexer()?, self.limits, warnings)?,
-                _ => skel::read(file.lexer()?, self.limits, warnings)?,
+                Kind::MitSkel => mit::skel::read(lexer, self.limits, warnings)?,
+                _ => skel::read(lexer, self.limits, warnings)?,
             };
         }
         Ok(())
@@ -84,18 +87,16 @@ impl Assembly<'_, '_> {
             file: &skeleton.name,
             joint_count: self.draft.joints.len(),
         });
-        let skin = skin::read(
-            file.lexer()?,
-            bound_to,
-            self.limits,
-            &mut self.draft.warnings,
-        )?;
+        let warnings = &mut self.draft.warnings;
+        let text = file.uncommented(warnings)?;
+        let lexer = Lexer::new(&file.name, &text);
+        let skin = skin::read(lexer, bound_to, self.limits, warnings)?;
         let material = skin
             .material
             .map(|material| self.add_material(file, material));
         let part = PartDraft {
             triangle_count: skin.mesh.triangles.len(),
-            material: material.transpose()?,
+            material,
             is_flat: false,
         };
         let mut mesh = MeshDraft {
@@ -119,21 +120,17 @@ impl Assembly<'_, '_> {
     }
 
     /// Returns its index.
-    fn add_material(
-        &mut self,
-        file: &Gathered,
-        material: SkinMaterial,
-    ) -> Result<usize, LoadError> {
+    fn add_material(&mut self, file: &Gathered, material: SkinMaterial) -> usize {
         let warnings = &mut self.draft.warnings;
-        let texture = match &material.texture {
-            Some(name) => self.textures.look_up(self.files, file, name, warnings)?,
-            None => None,
-        };
+        let texture = material.texture.and_then(|name| {
+            let mention = (name.file.as_str(), name.place.as_str());
+            self.textures.look_up(self.files, file, mention, warnings)
+        });
         self.draft.materials.push(Material {
             texture: texture.map(TexturePlace::plain),
             ..Material::named(material.name)
         });
-        Ok(self.draft.materials.len() - 1)
+        self.draft.materials.len() - 1
     }
 
     /// Gives a mesh, whose influences name joints, bindings of its own.
@@ -148,7 +145,7 @@ impl Assembly<'_, '_> {
 
     fn add_obj(&mut self, file: &Gathered) -> Result<(), LoadError> {
         let warnings = &mut self.draft.warnings;
-        let mut mesh = mit::obj::read(&file.name, file.text()?, self.limits, warnings)?;
+        let mut mesh = mit::obj::read(&file.name, &file.text(warnings)?, self.limits, warnings)?;
         if let (Some(attachments), Some(skeleton)) = (&self.parts.attachments, &self.parts.skeleton)
         {
             let to = AttachedTo {
@@ -157,7 +154,9 @@ impl Assembly<'_, '_> {
                 skeleton_file: &skeleton.name,
                 joint_count: self.draft.joints.len(),
             };
-            let read = mit::attach::read(attachments.lexer()?, to, self.limits)?;
+            let text = attachments.uncommented(warnings)?;
+            let lexer = Lexer::new(&attachments.name, &text);
+            let read = mit::attach::read(lexer, to, self.limits)?;
             mesh.influence_counts = read.influence_counts;
             mesh.influences = read.influences;
             self.add_bindings(mit::bindings(&self.draft.joints), &mut mesh);
@@ -179,7 +178,9 @@ impl Assembly<'_, '_> {
             vertex_count: draft.positions.len(),
         };
         let warnings = &mut self.draft.warnings;
-        let mut morph = morph::read(file.lexer()?, changes, self.limits, warnings)?;
+        let text = file.uncommented(warnings)?;
+        let lexer = Lexer::new(&file.name, &text);
+        let mut morph = morph::read(lexer, changes, self.limits, warnings)?;
         morph.name = stem(&file.name).to_owned();
         self.draft.morphs.push(morph);
         Ok(())
@@ -194,7 +195,9 @@ impl Assembly<'_, '_> {
             joints: &self.draft.joints,
         };
         let warnings = &mut self.draft.warnings;
-        let mut clip = anim::read(file.lexer()?, moves, self.limits, warnings)?;
+        let text = file.uncommented(warnings)?;
+        let lexer = Lexer::new(&file.name, &text);
+        let mut clip = anim::read(lexer, moves, self.limits, warnings)?;
         clip.name = stem(&file.name).to_owned();
         self.draft.clips.push(clip);
         Ok(())

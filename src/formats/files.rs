@@ -1,13 +1,13 @@
 //! The files of one load: those of the request, and those that these refer to, looked up among the others or beside them.
 //! Never lives here: what is in them, and what becomes of a file that cannot be had.
 
-use super::error::{FileFault, LoadError};
-use super::lexer::Lexer;
+use super::error::{FileFault, LoadError, quoted};
 use super::recognise::{self, Kind, base_name};
 use super::source::{Budget, Denied, Source};
-use super::{FileRef, text};
+use super::{FileRef, comments, text};
 use crate::limits::Limits;
 use crate::rig::Warnings;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,12 +24,13 @@ pub(super) struct Gathered {
 }
 
 impl Gathered {
-    pub(super) fn text(&self) -> Result<&str, FileFault> {
-        text::decode(&self.name, &self.bytes)
+    pub(super) fn text(&self, warnings: &mut Warnings) -> Result<Cow<'_, str>, FileFault> {
+        text::decode(&self.name, &self.bytes, warnings)
     }
 
-    pub(super) fn lexer(&self) -> Result<Lexer<'_>, FileFault> {
-        Ok(Lexer::new(&self.name, self.text()?))
+    /// The text of a file of the courses.
+    pub(super) fn uncommented(&self, warnings: &mut Warnings) -> Result<Cow<'_, str>, FileFault> {
+        comments::blanked(&self.name, self.text(warnings)?, warnings)
     }
 }
 
@@ -38,12 +39,40 @@ pub(super) struct Files<'a> {
     /// In the order of the request; never empty.
     sent: Vec<Arc<Gathered>>,
     by_base_name: HashMap<String, usize>,
+    by_any_case: Spellings,
     /// Of each file sent, whether another refers to it.
     used: Vec<bool>,
     /// Files that were not sent, by their paths.
     found: BTreeMap<PathBuf, Arc<Gathered>>,
+    /// What is in folders that a file was looked for in, by their paths.
+    listed: HashMap<PathBuf, Spellings>,
+    other_spellings: Warnings,
     source: &'a Source,
     budget: Budget<'a>,
+}
+
+/// Names by what they are in lower case.
+#[derive(Debug, Default)]
+struct Spellings(HashMap<String, Vec<String>>);
+
+impl Spellings {
+    fn of(names: impl IntoIterator<Item = String>) -> Self {
+        let mut spellings = Self::default();
+        for name in names {
+            let alike = spellings.0.entry(name.to_lowercase()).or_default();
+            alike.push(name);
+        }
+        spellings
+    }
+
+    /// The name that `name` is in whatever case. Of several, only one that is spelled alike is meant.
+    fn find(&self, name: &str) -> Option<&str> {
+        let alike = self.0.get(&name.to_lowercase())?;
+        let exact = alike.iter().find(|known| *known == name);
+        exact
+            .or(alike.first().filter(|_| alike.len() == 1))
+            .map(String::as_str)
+    }
 }
 
 impl<'a> Files<'a> {
@@ -72,9 +101,12 @@ impl<'a> Files<'a> {
             .collect::<Result<_, _>>()?;
         Ok(Self {
             sent,
+            by_any_case: Spellings::of(by_base_name.keys().cloned()),
             by_base_name,
             used: vec![false; files.len()],
             found: BTreeMap::new(),
+            listed: HashMap::new(),
+            other_spellings: Warnings::default(),
             source,
             budget,
         })
@@ -85,7 +117,45 @@ impl<'a> Files<'a> {
     }
 
     /// What `from` calls `name`: a file of the request with that base name, else one beside `from` where that was opened by path.
+    /// Where there is neither, one whose name differs in case alone, or has `/` for `\`, is taken with a warning.
     pub(super) fn look_up(&mut self, from: &Gathered, name: &str) -> Result<Arc<Gathered>, Denied> {
+        match self.look_up_exactly(from, name) {
+            Err(Denied::NotFound) => {}
+            found => return found,
+        }
+        let spelled = self.spelled_otherwise(from, name).ok_or(Denied::NotFound)?;
+        let found = self.look_up_exactly(from, &spelled)?;
+        self.other_spellings.push(|| {
+            let (asked, spelled) = (quoted(name), quoted(&spelled));
+            format!("{}: the file {asked} is taken for {spelled}", from.name)
+        });
+        Ok(found)
+    }
+
+    fn spelled_otherwise(&mut self, from: &Gathered, name: &str) -> Option<String> {
+        if let Some(sent) = self.by_any_case.find(base_name(name)) {
+            return Some(sent.to_owned());
+        }
+        if !from.by_path {
+            return None;
+        }
+        let mut spelled = String::new();
+        for part in name.split(['/', '\\']) {
+            let folder = Path::new(&from.name).with_file_name(&spelled);
+            let listed = self.listed.entry(folder).or_insert_with(|| {
+                let names = self.source.names_beside(&from.name, &spelled);
+                Spellings::of(names.unwrap_or_default())
+            });
+            let found = listed.find(part)?;
+            if !spelled.is_empty() {
+                spelled.push('/');
+            }
+            spelled.push_str(found);
+        }
+        Some(spelled)
+    }
+
+    fn look_up_exactly(&mut self, from: &Gathered, name: &str) -> Result<Arc<Gathered>, Denied> {
         if let Some(&index) = self.by_base_name.get(base_name(name)) {
             self.used[index] = true;
             return Ok(self.sent[index].clone());
@@ -119,7 +189,9 @@ impl<'a> Files<'a> {
         Ok(found)
     }
 
-    pub(super) fn warn_of_unused(&self, warnings: &mut Warnings) {
+    /// Once all are read: of files that were found under another spelling, and of those that nothing needed.
+    pub(super) fn warn(&mut self, warnings: &mut Warnings) {
+        warnings.append(std::mem::take(&mut self.other_spellings));
         for (file, used) in self.sent.iter().zip(&self.used) {
             if file.kind == Kind::Other && !used {
                 warnings.push(|| format!("`{}` is not used: no file refers to it", file.name));

@@ -3,7 +3,7 @@
 
 use super::error::{FileFault, quoted};
 use super::text::Place;
-use crate::rig::{LARGEST_COORDINATE, Warnings};
+use crate::rig::LARGEST_COORDINATE;
 use std::cell::Cell;
 
 /// A word, a brace, the end of a line where lines are asked for, or the empty text at the end of the file.
@@ -24,7 +24,7 @@ impl Token<'_> {
         self.is_end() || self.text.starts_with(LINE_ENDS)
     }
 
-    fn described(self) -> String {
+    pub(super) fn described(self) -> String {
         if self.is_end() {
             "the end of the file".to_owned()
         } else if self.ends_line() {
@@ -117,6 +117,27 @@ impl<'a> Lexer<'a> {
         }
     }
 
+    /// [`Lexer::next`] where a name is wanted: one in double quotes may hold anything but a line end. The quotes are no part of it.
+    pub(super) fn next_name(&mut self) -> Token<'a> {
+        let word = self.next();
+        self.unquoted(word)
+    }
+
+    /// The whole of a name whose first word has been taken.
+    pub(super) fn unquoted(&mut self, word: Token<'a>) -> Token<'a> {
+        match quotation_end(self.text.as_bytes(), word.offset) {
+            // A token without text would be the end of the file.
+            Some(end) if end > word.offset + 2 => {
+                self.at = end;
+                Token {
+                    text: &self.text[word.offset + 1..end - 1],
+                    ..word
+                }
+            }
+            _ => word,
+        }
+    }
+
     pub(super) fn peek(&self) -> Token<'a> {
         self.clone().next()
     }
@@ -191,55 +212,6 @@ impl<'a> Lexer<'a> {
         Err(self.fault(token, format!("`{wanted}` {}", place())))
     }
 
-    /// Goes on, with a warning, to the next known keyword or brace; a block that stands before one is skipped whole.
-    /// `word` is the unknown one, which has been taken.
-    pub(super) fn skip_unknown(
-        &mut self,
-        word: Token<'a>,
-        is_known: impl Fn(&str) -> bool,
-        warnings: &mut Warnings,
-    ) -> Result<(), FileFault> {
-        warnings.push(|| {
-            format!(
-                "{}: skipped {}, which is not known here",
-                self.place(word),
-                word.described()
-            )
-        });
-        if word.text == "{" {
-            return self.skip_block(word);
-        }
-        loop {
-            let token = self.peek();
-            match token.text {
-                "" | "}" => return Ok(()),
-                "{" => {
-                    self.next();
-                    return self.skip_block(token);
-                }
-                text if is_known(text) => return Ok(()),
-                _ => self.next(),
-            };
-        }
-    }
-
-    fn skip_block(&mut self, open: Token<'a>) -> Result<(), FileFault> {
-        let mut depth = 1_usize;
-        while depth > 0 {
-            let token = self.next();
-            match token.text {
-                "{" => depth += 1,
-                "}" => depth -= 1,
-                "" => {
-                    let (line, column) = self.line_column(open);
-                    return Err(self.fault(token, format!("`}}` for the `{{` at {line}:{column}")));
-                }
-                _ => {}
-            }
-        }
-        Ok(())
-    }
-
     pub(super) fn fault(&self, token: Token, expected: impl Into<String>) -> FileFault {
         self.fault_found(token, expected, token.described())
     }
@@ -274,8 +246,15 @@ impl<'a> Lexer<'a> {
     }
 }
 
-fn ends_word(byte: u8) -> bool {
+pub(super) fn ends_word(byte: u8) -> bool {
     byte <= b' ' || byte == b'{' || byte == b'}'
+}
+
+/// Behind the closing one of two double quotes, the first of which stands at `at`: it has to follow in the same line.
+pub(super) fn quotation_end(text: &[u8], at: usize) -> Option<usize> {
+    let inside = text[at..].strip_prefix(b"\"")?;
+    let length = inside.iter().position(|byte| b"\"\r\n".contains(byte))?;
+    (inside[length] == b'"').then_some(at + length + 2)
 }
 
 pub(super) fn parse_number(word: &str) -> Option<f64> {
@@ -400,36 +379,21 @@ mod tests {
     }
 
     #[test]
-    fn unknown_words_are_skipped_to_a_keyword_or_past_a_block() {
-        for (text, left) in [
-            ("pos 0 0 1.57 pose 1", "pose"),
-            ("pos 0 0 }", "}"),
-            ("pos 1 2", ""),
-            ("cone a { { pose } { } } next", "next"),
-            ("{ pose } next", "next"),
+    fn names_in_quotes_may_hold_spaces_and_braces() {
+        for (text, name, rest) in [
+            ("\"left arm\" {", "left arm", "{"),
+            ("\"a{b\"c", "a{b", "c"),
+            // Not in quotes.
+            ("\"\" x", "\"\"", "x"),
+            ("left arm", "left", "arm"),
+            ("\"left\narm\"", "\"left", "arm\""),
+            ("\"left", "\"left", ""),
+            ("a\"b c\"", "a\"b", "c\""),
         ] {
             let mut lexer = Lexer::new("a", text);
-            let mut warnings = Warnings::default();
-            let word = lexer.next();
-            let skipped = lexer.skip_unknown(word, |word| word == "pose", &mut warnings);
-            assert_eq!((skipped, lexer.next().text), (Ok(()), left), "{text}");
-            assert_eq!(warnings.into_sentences().len(), 1);
+            assert_eq!(lexer.next_name().text, name, "{text:?}");
+            assert_eq!(lexer.next().text, rest, "{text:?}");
         }
-    }
-
-    #[test]
-    fn an_unknown_block_without_an_end_is_a_fault() {
-        let mut lexer = Lexer::new("a", "x\n { {} ");
-        let word = lexer.next();
-        let fault = lexer.skip_unknown(word, |_| false, &mut Warnings::default());
-        let message = fault
-            .map_err(|fault| fault.to_string())
-            .err()
-            .unwrap_or_default();
-        assert_eq!(
-            message,
-            "a:2:7: expected `}` for the `{` at 2:2, but found the end of the file"
-        );
     }
 
     #[test]

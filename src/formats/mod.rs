@@ -2,6 +2,7 @@
 //! Never lives here: posing, drawing, and any file name that the request did not give.
 
 mod assemble;
+mod comments;
 mod cse169;
 mod digest;
 mod error;
@@ -78,7 +79,7 @@ pub fn load(files: &[FileRef], source: &Source, limits: &Limits) -> Result<Loade
     let mut warnings = Warnings::default();
     let parts = Parts::gather(&mut files, limits, &mut warnings)?;
     let mut draft = assemble(&parts, &mut files, limits, warnings)?;
-    files.warn_of_unused(&mut draft.warnings);
+    files.warn(&mut draft.warnings);
     let rig = draft.build(limits).map_err(|error| told(error, &parts))?;
 
     let is_used = |reader: &&str| parts.all().any(|file| file.kind.reader() == Some(reader));
@@ -111,7 +112,11 @@ fn told(error: RigError, parts: &Parts) -> LoadError {
         .or(skeleton)
         .or(of_mesh(0))
         .map_or("", |file| &file.name);
-    FileFault::whole(name, "a rig without contradictions", error.to_string()).into()
+    let fault = match error {
+        RigError::Empty => FileFault::whole(name, "a joint or a mesh", "nothing to draw"),
+        _ => FileFault::whole(name, "a rig without contradictions", error.to_string()),
+    };
+    fault.into()
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 use super::cse169::list::{self, Entry, Role};
 use super::error::{FileFault, LoadError};
 use super::files::{Files, Gathered};
+use super::lexer::Lexer;
 use super::recognise::{self, Kind, base_name};
 use super::source::Denied;
 use crate::limits::Limits;
@@ -198,7 +199,8 @@ fn listed(
     limits: &Limits,
     warnings: &mut Warnings,
 ) -> Result<Vec<Arc<Gathered>>, LoadError> {
-    let entries = list::read(list.lexer()?, limits, warnings)?;
+    let text = list.uncommented(warnings)?;
+    let entries = list::read(Lexer::new(&list.name, &text), limits, warnings)?;
     let mut names = HashSet::new();
     let mut listed = Vec::with_capacity(entries.len());
     for entry in entries {

@@ -5,23 +5,54 @@ use crate::rig::TextureLevel;
 use image::ImageReader;
 use std::io::Cursor;
 
-/// Why an encoded picture gives no texels.
-#[derive(Debug, PartialEq)]
-pub(super) enum BadPicture {
-    /// With the reason, to follow a colon.
-    Undecodable(String),
-    Limit(LimitExceeded),
-}
+/// Why an encoded picture gives no texels, to follow a colon. No picture is worth refusing a rig for: it is drawn without.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{0}")]
+pub(super) struct BadPicture(String);
 
 impl From<LimitExceeded> for BadPicture {
     fn from(exceeded: LimitExceeded) -> Self {
-        Self::Limit(exceeded)
+        Self(exceeded.to_string())
     }
 }
 
 impl From<image::ImageError> for BadPicture {
     fn from(error: image::ImageError) -> Self {
-        Self::Undecodable(error.to_string())
+        Self(error.to_string())
+    }
+}
+
+impl From<std::io::Error> for BadPicture {
+    fn from(error: std::io::Error) -> Self {
+        Self(error.to_string())
+    }
+}
+
+/// Decodes the pictures of one rig: all of them together are held to what rigs may take in memory.
+#[derive(Debug)]
+pub(super) struct Decoder<'a> {
+    limits: &'a Limits,
+    /// Of the textures so far.
+    bytes: u64,
+}
+
+impl<'a> Decoder<'a> {
+    pub(super) fn new(limits: &'a Limits) -> Self {
+        Self { limits, bytes: 0 }
+    }
+
+    pub(super) fn decode(
+        &mut self,
+        encoded: &[u8],
+        alpha: Alpha,
+    ) -> Result<TextureLevel, BadPicture> {
+        let [width, height] = dimensions(encoded, self.limits)?;
+        // A small file can hold many pixels, and a rig many such files, also broken ones: neither memory nor time must be gone before the
+        // rig is weighed. The halvings come to a third of the full picture.
+        let bytes = self.bytes + u64::from(width) * u64::from(height) * 16 / 3;
+        self.limits.rig_bytes(bytes)?;
+        self.bytes = bytes;
+        decode(encoded, [width, height], alpha, self.limits)
     }
 }
 
@@ -34,35 +65,32 @@ pub(super) enum Alpha {
 }
 
 /// Width and height, neither of them 0, of a picture that may be decoded: BMP, PNG or JPEG, told apart by content.
-pub(super) fn dimensions(encoded: &[u8], limits: &Limits) -> Result<[u32; 2], BadPicture> {
+fn dimensions(encoded: &[u8], limits: &Limits) -> Result<[u32; 2], BadPicture> {
     let reader = reader(encoded)?;
     if reader.format().is_none() {
-        return Err(BadPicture::Undecodable(
-            "it is neither a BMP nor a PNG nor a JPEG picture".to_owned(),
-        ));
+        let reason = "it is neither a BMP nor a PNG nor a JPEG picture";
+        return Err(BadPicture(reason.to_owned()));
     }
     let (width, height) = reader.into_dimensions()?;
     limits.side(width.max(height))?;
     limits.pixels(u64::from(width) * u64::from(height))?;
     if width == 0 || height == 0 {
-        return Err(BadPicture::Undecodable("it has no pixels".to_owned()));
+        return Err(BadPicture("it has no pixels".to_owned()));
     }
     Ok([width, height])
 }
 
 fn reader(encoded: &[u8]) -> Result<ImageReader<Cursor<&[u8]>>, BadPicture> {
-    let reader = ImageReader::new(Cursor::new(encoded)).with_guessed_format();
-    reader.map_err(|error| BadPicture::Undecodable(error.to_string()))
+    Ok(ImageReader::new(Cursor::new(encoded)).with_guessed_format()?)
 }
 
-/// As [`dimensions`] allows.
-pub(super) fn decode(
+/// What has these [`dimensions`].
+fn decode(
     encoded: &[u8],
+    [width, height]: [u32; 2],
     alpha: Alpha,
     limits: &Limits,
 ) -> Result<TextureLevel, BadPicture> {
-    // Asked before anything of that size is allocated.
-    let [width, height] = dimensions(encoded, limits)?;
     let mut reader = reader(encoded)?;
     let mut ceilings = image::Limits::default();
     // Sixteen bits of four channels, and as much again for the decoder's own needs.
@@ -105,7 +133,8 @@ mod tests {
     #[test]
     fn both_formats_come_out_from_the_top_and_opaque() {
         for format in [ImageFormat::Bmp, ImageFormat::Png] {
-            let level = decode(&encoded(format), Alpha::Drop, &Limits::default())
+            let level = Decoder::new(&Limits::default())
+                .decode(&encoded(format), Alpha::Drop)
                 .expect("it can be decoded");
             assert_eq!((level.width, level.height), (3, 2));
             assert_eq!(level.texels[1], [100, 0, 7, 255], "{format:?}");
@@ -115,19 +144,39 @@ mod tests {
 
     #[test]
     fn what_is_no_picture_or_too_large_says_so() {
-        let bad =
-            |bytes: &[u8]| decode(bytes, Alpha::Drop, &Limits::default()).expect_err("it is bad");
-        assert!(
-            matches!(bad(b"positions 3 {"), BadPicture::Undecodable(reason) if reason.contains("neither"))
-        );
         let png = encoded(ImageFormat::Png);
-        assert!(matches!(bad(&png[..40]), BadPicture::Undecodable(_)));
-        let limits = Limits {
-            pixels: 5,
+        let limits = |side, pixels| Limits {
+            side,
+            pixels,
             ..Limits::default()
         };
-        assert!(
-            matches!(decode(&png, Alpha::Drop, &limits), Err(BadPicture::Limit(exceeded)) if exceeded.limit == "pixels")
+        for (bytes, limits, reason) in [
+            (&b"positions 3 {"[..], limits(3, 6), "neither"),
+            (&png[..40], limits(3, 6), ""),
+            (&png, limits(3, 5), "`pixels` of 5"),
+            (&png, limits(2, 6), "`side` of 2"),
+        ] {
+            let bad = Decoder::new(&limits).decode(bytes, Alpha::Drop);
+            let found = bad.map(|_| ()).map_err(|bad| bad.to_string());
+            assert!(found.is_err_and(|found| found.contains(reason)), "{reason}");
+        }
+    }
+
+    #[test]
+    fn all_pictures_together_are_held_to_the_memory_of_rigs() {
+        let png = encoded(ImageFormat::Png);
+        // Six pixels of four bytes, and their halvings.
+        let limits = Limits {
+            rig_bytes: 2 * 32,
+            ..Limits::default()
+        };
+        let mut decoder = Decoder::new(&limits);
+        let mut is_decoded = |bytes: &[u8]| decoder.decode(bytes, Alpha::Keep).is_ok();
+        // A broken one counts as well, for the time that it took.
+        assert_eq!(
+            [&png, &png[..60], &png].map(&mut is_decoded),
+            [true, false, false]
         );
+        assert!(!is_decoded(&png));
     }
 }

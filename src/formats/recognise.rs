@@ -1,8 +1,10 @@
 //! Which reader a file is for: its content decides, its extension is a hint where two dialects look alike.
 //! Never lives here: reading past the first words.
 
+use super::comments::{self, End};
 use super::error::quoted;
 use super::text::without_bom;
+use std::ops::Range;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -108,7 +110,8 @@ fn describe_other(bytes: &[u8]) -> String {
     if let Some((_, what)) = pictures.iter().find(|(magic, _)| bytes.starts_with(magic)) {
         return (*what).to_owned();
     }
-    match std::str::from_utf8(first_words(bytes)[0]) {
+    let bytes = without_bom(bytes);
+    match std::str::from_utf8(&bytes[word_from(bytes, 0)]) {
         Ok("") => "an empty file".to_owned(),
         Ok(word) if !word.contains('\0') => format!("a file that starts with {}", quoted(word)),
         _ => "a binary file".to_owned(),
@@ -135,21 +138,37 @@ fn extension(file: &str) -> String {
     extension.to_ascii_lowercase()
 }
 
-/// Braces are words of their own; past the end come empty ones.
+/// Behind comments. Braces are words of their own; past the end come empty ones.
 fn first_words(bytes: &[u8]) -> [&[u8]; 3] {
-    let mut rest = without_bom(bytes);
+    let bytes = without_bom(bytes);
+    let mut at = 0;
     [(); 3].map(|()| {
-        let separates = |byte: &u8| (1..=b' ').contains(byte);
-        let start = rest.iter().position(|byte| !separates(byte));
-        let word = &rest[start.unwrap_or(rest.len())..];
-        let ends = |byte: &u8| separates(byte) || b"{}".contains(byte);
-        let end = match word.first() {
-            Some(b'{' | b'}') => 1,
-            _ => word.iter().position(ends).unwrap_or(word.len()),
-        };
-        rest = &word[end..];
-        &word[..end]
+        loop {
+            let word = word_from(bytes, at);
+            at = match comments::end(bytes, word.start) {
+                Some(End::At(end)) => end,
+                Some(End::Missing) => bytes.len(),
+                None => {
+                    at = word.end;
+                    return &bytes[word];
+                }
+            };
+        }
     })
+}
+
+/// The first word that starts at or after `at`.
+fn word_from(bytes: &[u8], at: usize) -> Range<usize> {
+    let separates = |byte: &u8| (1..=b' ').contains(byte);
+    let blank = bytes[at..].iter().take_while(|byte| separates(byte));
+    let start = at + blank.count();
+    let word = &bytes[start..];
+    let ends = |byte: &u8| separates(byte) || b"{}".contains(byte);
+    let length = match word.first() {
+        Some(b'{' | b'}') => 1,
+        _ => word.iter().position(ends).unwrap_or(word.len()),
+    };
+    start..start + length
 }
 
 #[cfg(test)]
@@ -172,6 +191,13 @@ mod tests {
             ("a", b"rig{", Kind::Cse169Rig),
             ("a.skel", b"0.5 0.75 0.5 -1", Kind::MitSkel),
             ("a.skel", b"-.5 0 0 -1", Kind::MitSkel),
+            ("a.skel", b"# my model\n0 0 0 -1", Kind::MitSkel),
+            ("a.skel", b"/* joint */ // x\r;\r 1 2 3 -1", Kind::MitSkel),
+            ("a.txt", b"# wasp\njoint a {", Kind::Cse169Skel),
+            ("a.txt", b"rig//x\n", Kind::Other),
+            ("a.txt", b"rig // x\n a {", Kind::Cse169Rig),
+            ("a.txt", b"/* joint", Kind::Other),
+            ("a.obj", b"# positions\nv 1 2 3", Kind::Obj),
             ("a.obj", b"v 1 2 3", Kind::Obj),
             ("a.attach", b"0 1", Kind::MitAttach),
             // Left to the readers, which say what is wrong and where.

@@ -66,17 +66,44 @@ impl Source {
         name: &str,
         budget: &mut Budget,
     ) -> Result<Arc<[u8]>, Denied> {
+        self.beside(file, name, |dir, path| read_below(dir, path, budget))
+    }
+
+    /// The names in a folder that `file`, itself read from here, calls `folder`; empty is its own.
+    pub(super) fn names_beside(&self, file: &str, folder: &str) -> Result<Vec<String>, Denied> {
+        /// Folders of characters hold hundreds of files; what comes after so many is not looked at.
+        const NAMES: usize = 65_536;
+        self.beside(file, folder, |dir, path| {
+            let entries = dir.read_dir(or_here(path))?.take(NAMES);
+            let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+            Ok(names.collect())
+        })
+    }
+
+    /// Hands over the folder that nothing may lead out of, and the path in it of what `file` calls `name`.
+    fn beside<T>(
+        &self,
+        file: &str,
+        name: &str,
+        then: impl FnOnce(&Dir, &Path) -> Result<T, Denied>,
+    ) -> Result<T, Denied> {
         let folder = Path::new(file).parent().unwrap_or(Path::new(""));
         match &self.0 {
             Reach::Nowhere => Err(Denied::NotFound),
-            Reach::Below(dir) => read_below(dir, &folder.join(name), budget),
+            Reach::Below(dir) => then(dir, &folder.join(name)),
             Reach::Anywhere => {
-                let here = folder.as_os_str().is_empty();
-                let folder = if here { Path::new(".") } else { folder };
-                let dir = Dir::open_ambient_dir(folder, ambient_authority())?;
-                read_below(&dir, Path::new(name), budget)
+                let dir = Dir::open_ambient_dir(or_here(folder), ambient_authority())?;
+                then(&dir, Path::new(name))
             }
         }
+    }
+}
+
+/// The empty path names no folder to the system.
+fn or_here(folder: &Path) -> &Path {
+    match folder.as_os_str().is_empty() {
+        true => Path::new("."),
+        false => folder,
     }
 }
 

@@ -261,7 +261,7 @@ fn an_attachment_list_needs_both_of_its_ends() {
 }
 
 #[test]
-fn a_picture_is_decoded_once_and_weighed_before_the_rig_is() {
+fn a_picture_is_decoded_once_and_left_out_where_it_weighs_too_much() {
     let skin = |texture: &str| format!("{SKIN} material m {{ texture {texture} }}");
     let (one, other) = (skin("one.bmp"), skin("other.bmp"));
     let files = [
@@ -282,10 +282,23 @@ fn a_picture_is_decoded_once_and_weighed_before_the_rig_is() {
         rig_bytes,
         ..Limits::default()
     };
-    // A pixel takes four bytes, and two pictures are different ones whatever is in them.
-    assert!(load_with(&limits(8), &files).is_ok());
-    let found = load_with(&limits(7), &files).map(|loaded| loaded.name);
-    assert!(matches!(found, Err(LoadError::Limit(exceeded)) if exceeded.asked == 8));
+    // A pixel with its halvings is counted as five bytes, and two pictures are different ones whatever is in them.
+    let warnings = |rig_bytes| {
+        let rig = load_with(&limits(rig_bytes), &files).expect("a texture may be missing");
+        rig.rig.warnings().to_vec()
+    };
+    assert_eq!(warnings(10), [""; 0]);
+    let (line, column) = (1, SKIN.len() + " material m { texture ".len() + 1);
+    let wanted = format!(
+        "3.skin:{line}:{column}: the texture `other.bmp` is left out: 10 exceeds the limit `rig_bytes` of 9"
+    );
+    assert_eq!(warnings(9), [wanted]);
+}
+
+#[test]
+fn a_document_of_nothing_says_that_there_is_nothing_to_draw() {
+    let found = refusal(&[("d/a.gltf", r#"{"asset": {"version": "2.0"}}"#)]);
+    assert!(found.starts_with("d/a.gltf:1:1: expected ") && found.ends_with(" nothing to draw"));
 }
 
 #[test]

@@ -2,42 +2,88 @@
 //! Never lives here: words and grammar.
 
 use super::error::FileFault;
+use crate::rig::Warnings;
+use std::borrow::Cow;
 
 const UTF8_BOM: &[u8] = b"\xEF\xBB\xBF";
 
-/// The text of a rig file: UTF-8 without NUL, of which plain ASCII is a part. A byte order mark is left out.
+/// The text of a rig file. A byte order mark is left out. Bytes that are not UTF-8 are taken for Latin-1, which older editors write, and
+/// NUL bytes at the end are left out, which some programs write as the end of a string: a warning each.
 ///
 /// # Errors
-/// [`FileFault`] at the first byte that is no text.
-pub(super) fn decode<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a str, FileFault> {
+/// [`FileFault`] for UTF-16, and at a NUL byte before the end: such a file is no text.
+pub(super) fn decode<'a>(
+    file: &str,
+    bytes: &'a [u8],
+    warnings: &mut Warnings,
+) -> Result<Cow<'a, str>, FileFault> {
     const EXPECTED: &str = "UTF-8 text";
     if bytes.starts_with(b"\xFF\xFE") || bytes.starts_with(b"\xFE\xFF") {
         return Err(FileFault::whole(file, EXPECTED, "UTF-16 text"));
     }
-    let bytes = without_bom(bytes);
-    let (text, invalid) = match std::str::from_utf8(bytes) {
-        Ok(text) => (text, None),
-        Err(error) => {
-            let end = error.valid_up_to();
-            let valid = std::str::from_utf8(&bytes[..end]).unwrap_or_default();
-            (valid, Some(bytes[end]))
+    let (bytes, nul_count) = without_nuls_at_end(without_bom(bytes));
+    let text = match std::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => Cow::Owned(decode_mixed(file, bytes, warnings)),
+    };
+    if let Some(offset) = text.bytes().position(|byte| byte == 0) {
+        let (line, column) = line_column(&text, offset);
+        return Err(FileFault {
+            line,
+            column,
+            ..FileFault::whole(file, EXPECTED, "the byte 0x00")
+        });
+    }
+    if nul_count > 0 {
+        warnings.push(|| {
+            let (line, column) = line_column(&text, text.len());
+            let bytes = if nul_count == 1 { "byte" } else { "bytes" };
+            format!("{file}:{line}:{column}: passed over {nul_count} NUL {bytes} at the end")
+        });
+    }
+    Ok(text)
+}
+
+/// UTF-8 as far as it is any, each other byte the character of that number, as Latin-1 has it.
+fn decode_mixed(file: &str, bytes: &[u8], warnings: &mut Warnings) -> String {
+    let mut text = String::with_capacity(bytes.len());
+    let (mut count, mut first) = (0_usize, 0);
+    for chunk in bytes.utf8_chunks() {
+        text.push_str(chunk.valid());
+        if count == 0 {
+            first = text.len();
         }
-    };
-    let (offset, byte) = match (text.as_bytes().iter().position(|&byte| byte == 0), invalid) {
-        (Some(offset), _) => (offset, 0),
-        (None, Some(byte)) => (text.len(), byte),
-        (None, None) => return Ok(text),
-    };
-    let (line, column) = Place::START.advanced(text, offset).line_column(text);
-    Err(FileFault {
-        line,
-        column,
-        ..FileFault::whole(file, EXPECTED, format!("the byte 0x{byte:02X}"))
-    })
+        count += chunk.invalid().len();
+        text.extend(chunk.invalid().iter().map(|&byte| char::from(byte)));
+    }
+    warnings.push(|| {
+        let (line, column) = line_column(&text, first);
+        let bytes = match count {
+            1 => "1 byte here is".to_owned(),
+            _ => format!("{count} bytes from here on are"),
+        };
+        format!("{file}:{line}:{column}: {bytes} not UTF-8 and taken for Latin-1")
+    });
+    text
+}
+
+/// What stands before a run of NUL bytes and separators that ends the file, and how many NUL bytes it has.
+fn without_nuls_at_end(bytes: &[u8]) -> (&[u8], usize) {
+    let last = bytes.iter().rposition(|&byte| byte > b' ');
+    let (_, tail) = bytes.split_at(last.map_or(0, |last| last + 1));
+    let nuls = tail.iter().filter(|&&byte| byte == 0).count();
+    let first = tail.iter().position(|&byte| byte == 0);
+    let cut = first.map_or(0, |first| tail.len() - first);
+    (&bytes[..bytes.len() - cut], nuls)
 }
 
 pub(super) fn without_bom(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(UTF8_BOM).unwrap_or(bytes)
+}
+
+/// Line and column of a byte offset, both from 1, the column in characters.
+pub(super) fn line_column(text: &str, offset: usize) -> (usize, usize) {
+    Place::START.advanced(text, offset).line_column(text)
 }
 
 /// How far into a text, counted in lines. CR LF, a lone CR and a lone LF each end one.
@@ -90,15 +136,61 @@ impl Place {
 mod tests {
     use super::*;
 
-    fn decoded(bytes: &[u8]) -> Result<&str, String> {
-        decode("a.skel", bytes).map_err(|fault| fault.to_string())
+    fn decoded(bytes: &[u8]) -> Result<(String, Vec<String>), String> {
+        let mut warnings = Warnings::default();
+        decode("a.skel", bytes, &mut warnings)
+            .map(|text| (text.into_owned(), warnings.into_sentences()))
+            .map_err(|fault| fault.to_string())
     }
 
     #[test]
     fn utf8_is_text_with_or_without_a_mark() {
-        assert_eq!(decoded("knie_größe".as_bytes()), Ok("knie_größe"));
-        assert_eq!(decoded(b"\xEF\xBB\xBFballjoint"), Ok("balljoint"));
-        assert_eq!(decoded(b""), Ok(""));
+        let plain = |text: &str| Ok((text.to_owned(), Vec::new()));
+        assert_eq!(decoded("knie_größe".as_bytes()), plain("knie_größe"));
+        assert_eq!(decoded(b"\xEF\xBB\xBFballjoint"), plain("balljoint"));
+        assert_eq!(decoded(b""), plain(""));
+    }
+
+    #[test]
+    fn other_bytes_are_taken_for_latin_1() {
+        for (bytes, text, warning) in [
+            (
+                &b"balljoint\r\n  n\xE9 {"[..],
+                "balljoint\r\n  né {",
+                "a.skel:2:4: 1 byte here is not UTF-8 and taken for Latin-1",
+            ),
+            (
+                b"\xC3\xA9 \xE4\xF6 \xC3\xA9\xFF",
+                "é äö éÿ",
+                "a.skel:1:3: 3 bytes from here on are not UTF-8 and taken for Latin-1",
+            ),
+            // A name cut to so many bytes in the middle of a character.
+            (
+                b"n\xF0\x9F {",
+                "n\u{F0}\u{9F} {",
+                "a.skel:1:2: 2 bytes from here on are not UTF-8 and taken for Latin-1",
+            ),
+        ] {
+            let wanted = (text.to_owned(), vec![warning.to_owned()]);
+            assert_eq!(decoded(bytes), Ok(wanted));
+        }
+    }
+
+    #[test]
+    fn nul_bytes_at_the_end_are_passed_over() {
+        for (bytes, text, nuls) in [
+            (&b"a }\n\0"[..], "a }\n", "1 NUL byte"),
+            (b"a\0\0 \0\r\n", "a", "3 NUL bytes"),
+            (b"\0", "", "1 NUL byte"),
+        ] {
+            let (found, warnings) = decoded(bytes).unwrap_or_default();
+            assert_eq!(found, text);
+            let wanted = format!("passed over {nuls} at the end");
+            assert!(
+                warnings.len() == 1 && warnings[0].ends_with(&wanted),
+                "{warnings:?}"
+            );
+        }
     }
 
     #[test]
@@ -117,19 +209,15 @@ mod tests {
                 "a.skel:1:2: expected UTF-8 text, but found the byte 0x00",
             ),
             (
-                b"balljoint\r\n  n\xE9 {",
-                "a.skel:2:4: expected UTF-8 text, but found the byte 0xE9",
+                b"\n\xFF\0\xFF",
+                "a.skel:2:2: expected UTF-8 text, but found the byte 0x00",
             ),
             (
-                b"\n\0\xFF",
-                "a.skel:2:1: expected UTF-8 text, but found the byte 0x00",
-            ),
-            (
-                "é\u{1F600}\0".as_bytes(),
+                "é\u{1F600}\0a".as_bytes(),
                 "a.skel:1:3: expected UTF-8 text, but found the byte 0x00",
             ),
         ] {
-            assert_eq!(decoded(bytes), Err(wanted.to_owned()));
+            assert_eq!(decoded(bytes).map(|_| ()), Err(wanted.to_owned()));
         }
     }
 

@@ -1,9 +1,8 @@
 //! Pictures that files refer to, each decoded once. Never lives here: what is inside a picture's file, and where it is found.
 
-use super::cse169::skin::TextureName;
-use super::error::{LoadError, quoted};
+use super::error::quoted;
 use super::files::{Files, Gathered};
-use super::pictures::{self, Alpha, BadPicture};
+use super::pictures::{Alpha, BadPicture, Decoder};
 use super::recognise::{Kind, base_name};
 use super::source::Denied;
 use crate::limits::Limits;
@@ -11,52 +10,43 @@ use crate::rig::{Encoding, Texture, Warnings};
 use std::sync::Arc;
 
 pub(super) struct Textures<'a> {
-    limits: &'a Limits,
+    decoder: Decoder<'a>,
     /// With the file that each is from, so that skins that share a picture share its texels.
     decoded: Vec<(Arc<Gathered>, Arc<Texture>)>,
-    bytes: u64,
 }
 
 impl<'a> Textures<'a> {
     pub(super) fn new(limits: &'a Limits) -> Self {
         Self {
-            limits,
+            decoder: Decoder::new(limits),
             decoded: Vec::new(),
-            bytes: 0,
         }
     }
 
-    /// A texture that cannot be had is a warning: the rig is drawn without it.
-    ///
-    /// # Errors
-    /// Only where its file is larger than the request's files may be, or has more pixels than a picture may.
+    /// What `from` calls `name` at `place`. A texture that cannot be had is a warning: the rig is drawn without it.
     pub(super) fn look_up(
         &mut self,
         files: &mut Files,
-        skin: &Gathered,
-        name: &TextureName,
+        from: &Gathered,
+        (name, place): (&str, &str),
         warnings: &mut Warnings,
-    ) -> Result<Option<Arc<Texture>>, LoadError> {
-        let reason = match files.look_up(skin, &name.file) {
+    ) -> Option<Arc<Texture>> {
+        let reason = match files.look_up(from, name) {
             Ok(file) if file.kind != Kind::Other => "it is no picture".to_owned(),
             Ok(file) => match self.decode(file) {
-                Ok(texture) => return Ok(Some(texture)),
-                Err(BadPicture::Limit(exceeded)) => return Err(exceeded.into()),
-                Err(BadPicture::Undecodable(reason)) => reason,
+                Ok(texture) => return Some(texture),
+                Err(bad) => bad.to_string(),
             },
-            Err(Denied::Limit(exceeded)) => return Err(exceeded.into()),
+            Err(Denied::Limit(exceeded)) => exceeded.to_string(),
             Err(Denied::NotFound) => "it was not found".to_owned(),
             Err(Denied::NotAllowed(reason)) => reason.to_owned(),
             Err(Denied::Io(error)) => error.to_string(),
         };
         warnings.push(|| {
-            let texture = quoted(&name.file);
-            format!(
-                "{}: the texture {texture} is left out: {reason}",
-                name.place
-            )
+            let texture = quoted(name);
+            format!("{place}: the texture {texture} is left out: {reason}")
         });
-        Ok(None)
+        None
     }
 
     fn decode(&mut self, file: Arc<Gathered>) -> Result<Arc<Texture>, BadPicture> {
@@ -64,12 +54,9 @@ impl<'a> Textures<'a> {
         if let Some((_, texture)) = decoded.find(|(of, _)| Arc::ptr_eq(of, &file)) {
             return Ok(texture.clone());
         }
-        let level = pictures::decode(&file.bytes, Alpha::Drop, self.limits)?;
+        let level = self.decoder.decode(&file.bytes, Alpha::Drop)?;
         let name = base_name(&file.name).to_owned();
         let texture = Arc::new(Texture::new(name, Encoding::Srgb, level));
-        // A small file can hold many pixels, and a request many such files: memory must not be full before the rig is weighed.
-        self.bytes += texture.memory_bytes() as u64;
-        self.limits.rig_bytes(self.bytes)?;
         self.decoded.push((file, texture.clone()));
         Ok(texture)
     }

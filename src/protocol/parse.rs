@@ -3,6 +3,7 @@
 
 use super::error::Fault;
 use super::strict::Strict;
+pub use crate::spelling::nearest;
 use serde::de::{DeserializeOwned, Error};
 use serde_json::value::RawValue;
 use serde_path_to_error::{Path, Segment};
@@ -36,27 +37,6 @@ pub(super) fn field_error<E: Error>(field: &str, message: impl Display) -> E {
 /// Parts the field from the message of [`field_error`], as an error of serde's is one string. Text from outside is escaped before it gets
 /// into a message, so that it cannot hold one.
 const FIELD_MARK: char = '\u{1f}';
-
-/// The known name that one may have meant.
-pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    // A name far longer than any known one is near none of them; comparing takes time by the product of the lengths.
-    if name.len() > 64 {
-        return None;
-    }
-    let name = name.to_lowercase();
-    // `fovy` and `fov_y` come to 0.96, `colour` and `color` to 0.97, `tint` and `intensity` to 0.6.
-    const NEAR: f64 = 0.8;
-    known
-        .map(|candidate| {
-            (
-                strsim::jaro_winkler(&name, &candidate.to_lowercase()),
-                candidate,
-            )
-        })
-        .filter(|(similarity, _)| *similarity >= NEAR)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, candidate)| candidate)
-}
 
 /// As much of a text from outside as a message can carry.
 pub(super) fn shortened(text: &str) -> String {

@@ -20,6 +20,14 @@ impl Warnings {
         }
     }
 
+    /// Adds those of another list behind these.
+    pub fn append(&mut self, other: Self) {
+        for sentence in other.kept {
+            self.push(|| sentence);
+        }
+        self.dropped += other.dropped;
+    }
+
     /// The sentences, the last of which counts those that were not kept.
     pub fn into_sentences(mut self) -> Vec<String> {
         if self.dropped > 0 {
@@ -43,5 +51,23 @@ mod tests {
         let sentences = warnings.into_sentences();
         assert_eq!(sentences.len(), Warnings::KEPT + 1);
         assert_eq!(sentences[Warnings::KEPT], "and 7 more warnings");
+    }
+
+    #[test]
+    fn appending_keeps_no_more_and_counts_all() {
+        let many = || {
+            let mut warnings = Warnings::default();
+            (0..Warnings::KEPT + 7).for_each(|i| warnings.push(|| format!("odd thing {i}")));
+            warnings
+        };
+        let mut warnings = many();
+        warnings.append(many());
+        let sentences = warnings.into_sentences();
+        assert_eq!(sentences.len(), Warnings::KEPT + 1);
+        let dropped = Warnings::KEPT + 2 * 7;
+        assert_eq!(
+            sentences[Warnings::KEPT],
+            format!("and {dropped} more warnings")
+        );
     }
 }

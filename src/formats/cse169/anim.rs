@@ -15,6 +15,7 @@
 //! that of the line between those two. At the first and the last key, `linear` and `smooth` are the one line there is; at a
 //! single key they are 0.
 
+use super::keywords::{Keywords, PassedOver};
 use super::sections::{Brace, Section};
 use super::{second, warn_of_rest};
 use crate::formats::error::{FileFault, LoadError};
@@ -24,6 +25,10 @@ use crate::rig::{
     Axis, ChannelDraft, ClipDraft, Curve, DofKind, Extrapolation, Interpolation, JointDraft, Key,
     LARGEST_COORDINATE, Warnings,
 };
+
+const START: Keywords = Keywords(&["animation"]);
+const ITEM: Keywords = Keywords(&["range", "numchannels", "channel"]);
+const IN_CHANNEL: Keywords = Keywords(&["extrapolate", "keys"]);
 
 /// The skeleton that an animation moves.
 #[derive(Debug, Clone, Copy)]
@@ -51,6 +56,7 @@ pub(in crate::formats) fn read(
         surplus: None,
         curves: Vec::new(),
         key_count: 0,
+        passed_over: PassedOver::default(),
     };
     let start = reader.read_start()?;
     reader.read_items(start)?;
@@ -70,11 +76,12 @@ struct Reader<'a, 'w> {
     curves: Vec<Curve<f64>>,
     /// Of all channels together.
     key_count: u64,
+    passed_over: PassedOver<'a>,
 }
 
 impl<'a> Reader<'a, '_> {
     fn read_start(&mut self) -> Result<Token<'a>, FileFault> {
-        let word = self.lexer.next();
+        let word = START.next(&mut self.lexer, self.warnings);
         if word.text != "animation" {
             return Err(self.lexer.fault(word, "`animation`"));
         }
@@ -84,7 +91,7 @@ impl<'a> Reader<'a, '_> {
 
     fn read_items(&mut self, start: Token<'a>) -> Result<(), LoadError> {
         loop {
-            let word = self.lexer.next();
+            let word = ITEM.next(&mut self.lexer, self.warnings);
             match word.text {
                 "range" if self.range.is_some() => return Err(second(&self.lexer, word).into()),
                 "range" => self.range = Some(self.read_range(word)?),
@@ -104,8 +111,8 @@ impl<'a> Reader<'a, '_> {
                     return Err(self.lexer.fault(word, expected).into());
                 }
                 _ => {
-                    let is_known = |word: &str| matches!(word, "range" | "numchannels" | "channel");
-                    self.lexer.skip_unknown(word, is_known, self.warnings)?;
+                    let near = ITEM.skip_unknown(&mut self.lexer, word, self.warnings)?;
+                    self.passed_over.note(near, word);
                 }
             }
         }
@@ -126,7 +133,8 @@ impl<'a> Reader<'a, '_> {
     fn read_channel(&mut self, keyword: Token<'a>) -> Result<(), LoadError> {
         let Some((announced, _)) = self.announced else {
             let expected = "`numchannels` before the first `channel`";
-            return Err(self.lexer.fault(keyword, expected).into());
+            let told_at = self.passed_over.of("numchannels").unwrap_or(keyword);
+            return Err(self.lexer.fault(told_at, expected).into());
         };
         let number = self.curves.len() as u64;
         if number == announced {
@@ -135,8 +143,9 @@ impl<'a> Reader<'a, '_> {
         self.read_index(number)?;
         let mut extrapolation = None;
         let mut keys = None;
+        let mut passed_over = PassedOver::default();
         loop {
-            let word = self.lexer.next();
+            let word = IN_CHANNEL.next(&mut self.lexer, self.warnings);
             match word.text {
                 "extrapolate" if extrapolation.is_some() => {
                     return Err(second(&self.lexer, word).into());
@@ -149,7 +158,8 @@ impl<'a> Reader<'a, '_> {
                 "}" if keys.is_some() => break,
                 "}" => {
                     let expected = format!("`keys` in channel {number}");
-                    return Err(self.lexer.fault(word, expected).into());
+                    let told_at = passed_over.of("keys").unwrap_or(word);
+                    return Err(self.lexer.fault(told_at, expected).into());
                 }
                 "" => {
                     let (line, column) = self.lexer.line_column(keyword);
@@ -157,8 +167,8 @@ impl<'a> Reader<'a, '_> {
                     return Err(self.lexer.fault(word, expected).into());
                 }
                 _ => {
-                    let is_known = |word: &str| matches!(word, "extrapolate" | "keys");
-                    self.lexer.skip_unknown(word, is_known, self.warnings)?;
+                    let near = IN_CHANNEL.skip_unknown(&mut self.lexer, word, self.warnings)?;
+                    passed_over.note(near, word);
                 }
             }
         }
@@ -244,7 +254,8 @@ impl<'a> Reader<'a, '_> {
     /// Holds the number of channels against what was announced. `end` is the brace, or the end of the file.
     fn check_end(&self, end: Token<'a>) -> Result<(), FileFault> {
         let Some((announced, _)) = self.announced else {
-            return Err(self.lexer.fault(end, "`numchannels`"));
+            let told_at = self.passed_over.of("numchannels").unwrap_or(end);
+            return Err(self.lexer.fault(told_at, "`numchannels`"));
         };
         let channels = self.curves.len();
         let noun = if announced == 1 {
@@ -266,7 +277,10 @@ impl<'a> Reader<'a, '_> {
         }
         match self.range {
             Some(_) => Ok(()),
-            None => Err(self.lexer.fault(end, "`range`")),
+            None => {
+                let told_at = self.passed_over.of("range").unwrap_or(end);
+                Err(self.lexer.fault(told_at, "`range`"))
+            }
         }
     }
 

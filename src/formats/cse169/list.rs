@@ -10,12 +10,15 @@
 //! request says. There is one official file of this kind, without morph targets; that an entry of `morphs` is a file's name is taken
 //! from the two other entries.
 
+use super::keywords::Keywords;
 use super::sections::{Brace, Section};
 use super::{name_and_brace, second, warn_of_rest};
 use crate::formats::error::{FileFault, LoadError, quoted};
 use crate::formats::lexer::{Lexer, Token};
 use crate::limits::Limits;
 use crate::rig::Warnings;
+
+const ITEM: Keywords = Keywords(&["skeleton", "skin", "morphs"]);
 
 /// A file that the list names.
 #[derive(Debug, PartialEq)]
@@ -84,24 +87,29 @@ struct Reader<'a, 'w> {
 
 impl<'a> Reader<'a, '_> {
     fn read(&mut self, warnings: &mut Warnings) -> Result<(), LoadError> {
-        let rig = self.lexer.next();
+        let rig = Keywords(&["rig"]).next(&mut self.lexer, warnings);
         if rig.text != "rig" {
             return Err(self.lexer.fault(rig, "`rig`").into());
         }
         name_and_brace(&mut self.lexer, rig)?;
+        let mut first_unknown = None;
         loop {
-            let word = self.lexer.next();
+            let word = ITEM.next(&mut self.lexer, warnings);
             match word.text {
                 "skeleton" => self.read_entry(word, Role::Skeleton)?,
                 "skin" => self.read_entry(word, Role::Skin)?,
                 "morphs" => self.read_morphs(word)?,
                 "}" if self.entries.is_empty() => {
                     let expected = "`skeleton`, `skin` or `morphs` with a file's name";
-                    return Err(self.lexer.fault(word, expected).into());
+                    let told_at = first_unknown.unwrap_or(word);
+                    return Err(self.lexer.fault(told_at, expected).into());
                 }
                 "}" => break,
                 "" => return Err(self.lexer.fault(word, "`}` to end the `rig`").into()),
-                _ => self.lexer.skip_unknown(word, is_keyword, warnings)?,
+                _ => {
+                    first_unknown.get_or_insert(word);
+                    ITEM.skip_unknown(&mut self.lexer, word, warnings)?;
+                }
             }
         }
         warn_of_rest(&self.lexer, "the `rig`", warnings);
@@ -147,7 +155,7 @@ fn read_file_name(
     role: Role,
     place: impl Fn() -> String,
 ) -> Result<Entry, FileFault> {
-    let token = lexer.next();
+    let token = lexer.next_name();
     if matches!(token.text, "" | "{" | "}") {
         return Err(lexer.fault(token, format!("a file name {}", place())));
     }
@@ -158,10 +166,6 @@ fn read_file_name(
         line,
         column,
     })
-}
-
-fn is_keyword(word: &str) -> bool {
-    matches!(word, "skeleton" | "skin" | "morphs")
 }
 
 #[cfg(test)]

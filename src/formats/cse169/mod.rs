@@ -2,6 +2,7 @@
 //! Never lives here: other dialects that use the same extensions.
 
 pub(super) mod anim;
+mod keywords;
 pub(super) mod list;
 pub(super) mod morph;
 mod sections;
@@ -19,7 +20,7 @@ fn name_and_brace<'a>(lexer: &mut Lexer<'a>, what: Token) -> Result<&'a str, Fil
     if lexer.take("{") {
         return Ok("");
     }
-    let name = lexer.next();
+    let name = lexer.next_name();
     if name.is_end() || name.text == "}" {
         return Err(lexer.fault(name, format!("a name or `{{` after `{}`", what.text)));
     }

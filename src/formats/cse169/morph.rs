@@ -9,6 +9,7 @@
 //! Vertices are counted from 0 and listed at most once in a section, in any order; the two sections may list different ones. Values
 //! are not differences: they are where the vertex is, and its normal, at weight 1. A vertex that is not listed stays.
 
+use super::keywords::{Keywords, PassedOver};
 use super::second;
 use super::sections::{Brace, Section};
 use crate::formats::error::LoadError;
@@ -16,6 +17,8 @@ use crate::formats::lexer::{Lexer, Token};
 use crate::limits::Limits;
 use crate::rig::{MorphDraft, Warnings};
 use glam::{DVec3, Vec3};
+
+const SECTION: Keywords = Keywords(&["positions", "normals"]);
 
 /// The mesh that a morph target changes.
 #[derive(Debug, Clone, Copy)]
@@ -66,8 +69,9 @@ struct Reader<'a, 'w> {
 impl<'a> Reader<'a, '_> {
     fn read_sections(&mut self) -> Result<(), LoadError> {
         let first = self.lexer.peek();
+        let mut passed_over = PassedOver::default();
         loop {
-            let word = self.lexer.next();
+            let word = SECTION.next(&mut self.lexer, self.warnings);
             match word.text {
                 "positions" if self.positions.is_some() => {
                     return Err(second(&self.lexer, word).into());
@@ -80,12 +84,13 @@ impl<'a> Reader<'a, '_> {
                 "" if self.positions.is_some() => return Ok(()),
                 "" => {
                     // Where nothing is known, it is no morph target from its first word on.
-                    let told_at = if self.normals.is_some() { word } else { first };
+                    let otherwise = if self.normals.is_some() { word } else { first };
+                    let told_at = passed_over.of("positions").unwrap_or(otherwise);
                     return Err(self.lexer.fault(told_at, "`positions`").into());
                 }
                 _ => {
-                    let is_known = |word: &str| matches!(word, "positions" | "normals");
-                    self.lexer.skip_unknown(word, is_known, self.warnings)?;
+                    let near = SECTION.skip_unknown(&mut self.lexer, word, self.warnings)?;
+                    passed_over.note(near, word);
                 }
             }
         }

@@ -5,19 +5,36 @@
 //! skel  := joint
 //! joint := ("balljoint" | "joint") [NAME] "{" item* "}"
 //! item  := "offset" x y z | "boxmin" x y z | "boxmax" x y z | "pose" x y z
-//!        | "rotxlimit" min max | "rotylimit" min max | "rotzlimit" min max
+//!        | "rotxlimit" min max | "rotylimit" min max | "rotzlimit" min max       `inf` as well
 //!        | "orient" number*                                                      read over
 //!        | joint
 //! ```
 //! Items come in any order, all are optional, and of two alike the last one counts. Angles are in radians, `x` turns first.
-//! Names are free words, neither unique nor always there: a joint is known by its place in the order of appearance.
+//! Names are free words, or stand in double quotes, and are neither unique nor always there: a joint is known by its place in the order of
+//! appearance.
 
+use super::keywords::Keywords;
 use super::name_and_brace;
 use crate::formats::error::{FileFault, LoadError};
 use crate::formats::lexer::{Lexer, Token, parse_number};
 use crate::limits::Limits;
-use crate::rig::{JointDraft, Limit, Rotation, Warnings};
+use crate::rig::{JointDraft, LARGEST_COORDINATE, Limit, Rotation, Warnings};
 use glam::DVec3;
+use std::f64::consts::TAU;
+
+const JOINT: Keywords = Keywords(&["balljoint", "joint"]);
+const ITEM: Keywords = Keywords(&[
+    "balljoint",
+    "joint",
+    "offset",
+    "pose",
+    "boxmin",
+    "boxmax",
+    "rotxlimit",
+    "rotylimit",
+    "rotzlimit",
+    "orient",
+]);
 
 /// The course's own.
 const DEFAULT_BOX: [DVec3; 2] = [DVec3::splat(-0.1), DVec3::splat(0.1)];
@@ -38,12 +55,14 @@ pub(in crate::formats) fn read(
         joints: Vec::new(),
         open: Vec::new(),
         orient_told: false,
+        like_degrees: None,
     };
     reader.read_root()?;
     while let Some(open) = reader.open.last().copied() {
         reader.read_item(&open)?;
     }
     reader.read_end()?;
+    reader.ask_whether_degrees();
     Ok(reader.joints)
 }
 
@@ -55,6 +74,8 @@ struct Reader<'a, 'w> {
     /// From the root down. A stack of our own: a file's depth must not become the depth of calls.
     open: Vec<OpenJoint<'a>>,
     orient_told: bool,
+    /// The first property whose angles look like degrees, and how many there are.
+    like_degrees: Option<(Token<'a>, usize)>,
 }
 
 #[derive(Clone, Copy)]
@@ -101,7 +122,7 @@ impl<'a> Reader<'a, '_> {
     fn read_root(&mut self) -> Result<(), LoadError> {
         let mut first_unknown = None;
         loop {
-            let word = self.lexer.next();
+            let word = JOINT.next(&mut self.lexer, self.warnings);
             if is_joint(word.text) {
                 return self.open_joint(word);
             }
@@ -110,7 +131,7 @@ impl<'a> Reader<'a, '_> {
                 // Told at the first word: the file is no skeleton from there on, not only at its end.
                 return Err(self.lexer.fault(first, "`balljoint`").into());
             }
-            self.lexer.skip_unknown(word, is_joint, self.warnings)?;
+            JOINT.skip_unknown(&mut self.lexer, word, self.warnings)?;
         }
     }
 
@@ -135,7 +156,7 @@ impl<'a> Reader<'a, '_> {
     }
 
     fn read_item(&mut self, open: &OpenJoint<'a>) -> Result<(), LoadError> {
-        let word = self.lexer.next();
+        let word = ITEM.next(&mut self.lexer, self.warnings);
         match word.text {
             "}" => {
                 self.open.pop();
@@ -150,7 +171,9 @@ impl<'a> Reader<'a, '_> {
             }
             text => match Property::of(text) {
                 Some(property) => self.read_property(property, word, open.index)?,
-                None => self.lexer.skip_unknown(word, is_keyword, self.warnings)?,
+                None => {
+                    ITEM.skip_unknown(&mut self.lexer, word, self.warnings)?;
+                }
             },
         }
         Ok(())
@@ -171,13 +194,44 @@ impl<'a> Reader<'a, '_> {
         let joint = &mut self.joints[index];
         match property {
             Property::Offset => joint.offset = vector()?,
-            Property::Pose => joint.rest_rotation = Rotation::Angles(vector()?),
+            Property::Pose => {
+                let angles = vector()?;
+                joint.rest_rotation = Rotation::Angles(angles);
+                self.note_angles(word, &angles.to_array());
+            }
             Property::Corner(which) => {
                 joint.bounding_box.get_or_insert(DEFAULT_BOX)[which] = vector()?;
             }
-            Property::Limit(axis) => joint.rotation_limits[axis] = read_limit(lexer, word)?,
+            Property::Limit(axis) => {
+                let limit = read_limit(lexer, word)?;
+                joint.rotation_limits[axis] = limit;
+                self.note_angles(word, &[limit.min, limit.max]);
+            }
         }
         Ok(())
+    }
+
+    fn note_angles(&mut self, word: Token<'a>, angles: &[f64]) {
+        if angles.iter().any(|&angle| looks_like_degrees(angle)) {
+            self.like_degrees.get_or_insert((word, 0)).1 += 1;
+        }
+    }
+
+    fn ask_whether_degrees(&mut self) {
+        let Some((word, count)) = self.like_degrees else {
+            return;
+        };
+        let lexer = &self.lexer;
+        self.warnings.push(|| {
+            let (place, word) = (lexer.place(word), word.text);
+            let others = match count {
+                1 => String::new(),
+                _ => format!(", and in {} places more", count - 1),
+            };
+            format!(
+                "{place}: `{word}` goes past a full turn here{others}; angles are in radians, were degrees meant?"
+            )
+        });
     }
 
     fn warn_of_repeat(&mut self, property: Property, word: Token<'a>) {
@@ -234,20 +288,40 @@ impl<'a> Reader<'a, '_> {
 
 fn read_limit(lexer: &mut Lexer, word: Token) -> Result<Limit, FileFault> {
     let first = lexer.peek();
-    let [min, max] = lexer.numbers(|| format!("after `{}`", word.text))?;
+    let (min, max) = (read_bound(lexer, word)?, read_bound(lexer, word)?);
     if min > max {
         let expected = format!("the smaller value first after `{}`", word.text);
+        return Err(lexer.fault_found(first, expected, format!("{min} and {max}")));
+    }
+    if min > LARGEST_COORDINATE || max < -LARGEST_COORDINATE {
+        let expected = format!(
+            "a range with an angle of at most 1e9 in size after `{}`",
+            word.text
+        );
         return Err(lexer.fault_found(first, expected, format!("{min} and {max}")));
     }
     Ok(Limit { min, max })
 }
 
-fn is_joint(word: &str) -> bool {
-    matches!(word, "balljoint" | "joint")
+/// One end of a range. Programs write `1e10` or `inf` for no limit, and an end is only compared with.
+fn read_bound(lexer: &mut Lexer, word: Token) -> Result<f64, FileFault> {
+    let token = lexer.next();
+    let bound = token.text.parse().ok();
+    bound
+        .filter(|bound: &f64| !bound.is_nan())
+        .ok_or_else(|| lexer.fault(token, format!("a number after `{}`", word.text)))
 }
 
-fn is_keyword(word: &str) -> bool {
-    is_joint(word) || word == "orient" || Property::of(word).is_some()
+fn looks_like_degrees(angle: f64) -> bool {
+    /// A full turn, also where it is written with few digits.
+    const TURN_IN_RADIANS: f64 = 1.01 * TAU;
+    /// Beyond it an angle makes no sense in degrees either: ±1000, ±100000 and ±1e10 are ways to say that there is no limit.
+    const TURN_IN_DEGREES: f64 = 360.0;
+    (TURN_IN_RADIANS..=TURN_IN_DEGREES).contains(&angle.abs())
+}
+
+fn is_joint(word: &str) -> bool {
+    matches!(word, "balljoint" | "joint")
 }
 
 #[cfg(test)]

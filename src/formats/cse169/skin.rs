@@ -14,6 +14,7 @@
 //! and must be there where the mesh is read with a skeleton. The four rows of a matrix are its columns a, b, c and d: it takes
 //! points from the joint's own space to where it stood when the mesh was bound.
 
+use super::keywords::{Keywords, PassedOver};
 use super::sections::{Brace, Section};
 use super::{name_and_brace, second};
 use crate::formats::error::{FileFault, LoadError};
@@ -21,6 +22,17 @@ use crate::formats::lexer::{Lexer, Token};
 use crate::limits::Limits;
 use crate::rig::{LARGEST_COORDINATE, MeshDraft, Warnings};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
+
+const SECTION: Keywords = Keywords(&[
+    "positions",
+    "normals",
+    "texcoords",
+    "skinweights",
+    "triangles",
+    "bindings",
+    "material",
+]);
+const IN_MATERIAL: Keywords = Keywords(&["texture"]);
 
 /// A skin as its file has it; every index in it is in range.
 #[derive(Debug, Default)]
@@ -65,10 +77,12 @@ pub(in crate::formats) fn read(
         limits,
         warnings,
         skin: Skin::default(),
-        sections: [None; Part::COUNT],
+        sections: [None; Part::ALL.len()],
         first_word: None,
+        passed_over: PassedOver::default(),
     };
     reader.read_sections()?;
+    reader.leave_out_empty();
     reader.check_presence(skeleton.is_some())?;
     reader.check_counts(skeleton)?;
     reader.check_triangles()?;
@@ -82,8 +96,9 @@ struct Reader<'a, 'w> {
     warnings: &'w mut Warnings,
     skin: Skin,
     /// By [`Part`].
-    sections: [Option<Section<'a>>; Part::COUNT],
+    sections: [Option<Section<'a>>; Part::ALL.len()],
     first_word: Option<Token<'a>>,
+    passed_over: PassedOver<'a>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,18 +112,28 @@ enum Part {
 }
 
 impl Part {
-    const COUNT: usize = 6;
+    const ALL: [Self; 6] = [
+        Self::Positions,
+        Self::Normals,
+        Self::Texcoords,
+        Self::Skinweights,
+        Self::Triangles,
+        Self::Bindings,
+    ];
+
+    fn keyword(self) -> &'static str {
+        match self {
+            Self::Positions => "positions",
+            Self::Normals => "normals",
+            Self::Texcoords => "texcoords",
+            Self::Skinweights => "skinweights",
+            Self::Triangles => "triangles",
+            Self::Bindings => "bindings",
+        }
+    }
 
     fn of(word: &str) -> Option<Self> {
-        Some(match word {
-            "positions" => Self::Positions,
-            "normals" => Self::Normals,
-            "texcoords" => Self::Texcoords,
-            "skinweights" => Self::Skinweights,
-            "triangles" => Self::Triangles,
-            "bindings" => Self::Bindings,
-            _ => return None,
-        })
+        Self::ALL.into_iter().find(|part| part.keyword() == word)
     }
 
     fn nouns(self) -> (&'static str, &'static str) {
@@ -137,15 +162,15 @@ impl<'a> Reader<'a, '_> {
 
     fn read_sections(&mut self) -> Result<(), LoadError> {
         loop {
-            let word = self.lexer.next();
+            let word = SECTION.next(&mut self.lexer, self.warnings);
             self.first_word.get_or_insert(word);
             match (word.text, Part::of(word.text)) {
                 ("", _) => return Ok(()),
                 (_, Some(part)) => self.read_section(part, word)?,
                 ("material", _) => self.read_material(word)?,
                 _ => {
-                    let is_known = |word: &str| word == "material" || Part::of(word).is_some();
-                    self.lexer.skip_unknown(word, is_known, self.warnings)?;
+                    let near = SECTION.skip_unknown(&mut self.lexer, word, self.warnings)?;
+                    self.passed_over.note(near, word);
                 }
             }
         }
@@ -186,15 +211,14 @@ impl<'a> Reader<'a, '_> {
         let name = name_and_brace(&mut self.lexer, keyword)?.to_owned();
         let mut texture = None;
         loop {
-            let word = self.lexer.next();
+            let word = IN_MATERIAL.next(&mut self.lexer, self.warnings);
             match word.text {
                 "}" => break,
                 "texture" if texture.is_some() => return Err(second(&self.lexer, word).into()),
                 "texture" => texture = Some(self.read_texture_name()?),
                 "" => return Err(self.lexer.fault(word, "`}` to end the `material`").into()),
                 _ => {
-                    let is_known = |word: &str| word == "texture";
-                    self.lexer.skip_unknown(word, is_known, self.warnings)?;
+                    IN_MATERIAL.skip_unknown(&mut self.lexer, word, self.warnings)?;
                 }
             }
         }
@@ -203,7 +227,7 @@ impl<'a> Reader<'a, '_> {
     }
 
     fn read_texture_name(&mut self) -> Result<TextureName, FileFault> {
-        let token = self.lexer.next();
+        let token = self.lexer.next_name();
         if matches!(token.text, "" | "{" | "}") {
             return Err(self.lexer.fault(token, "a file name after `texture`"));
         }
@@ -213,24 +237,52 @@ impl<'a> Reader<'a, '_> {
         })
     }
 
+    /// Some exporters write a section of no rows for what a mesh does not have.
+    fn leave_out_empty(&mut self) {
+        for part in [Part::Normals, Part::Texcoords, Part::Skinweights] {
+            self.leave_out_if_empty(part);
+        }
+        if self.section(Part::Skinweights).is_none() {
+            self.leave_out_if_empty(Part::Bindings);
+        }
+        let mesh = &mut self.skin.mesh;
+        mesh.normals.take_if(|normals| normals.is_empty());
+        mesh.texcoords.take_if(|texcoords| texcoords.is_empty());
+    }
+
+    fn leave_out_if_empty(&mut self, part: Part) {
+        let section = &mut self.sections[part as usize];
+        if let Some(empty) = section.take_if(|section| section.count == 0) {
+            self.passed_over
+                .note(Some(part.keyword()), empty.count_token);
+        }
+    }
+
     fn check_presence(&self, has_skeleton: bool) -> Result<(), FileFault> {
         let has = |part| self.section(part).is_some();
         let end = self.lexer.peek();
         let nothing_known =
             self.sections.iter().all(Option::is_none) && self.skin.material.is_none();
-        let told_at = self.first_word.filter(|_| nothing_known).unwrap_or(end);
-        let missing = |what: &str| Err(self.lexer.fault(told_at, what));
+        let otherwise = self.first_word.filter(|_| nothing_known).unwrap_or(end);
+        let missing = |part: Part, reason: &str| {
+            let keyword = part.keyword();
+            let told_at = self.passed_over.of(keyword).unwrap_or(otherwise);
+            let expected = format!("`{keyword}`{reason}");
+            Err(self.lexer.fault(told_at, expected))
+        };
         if !has(Part::Positions) {
-            return missing("`positions`");
+            return missing(Part::Positions, "");
         }
         if !has(Part::Triangles) {
-            return missing("`triangles`");
+            return missing(Part::Triangles, "");
         }
         match (has(Part::Skinweights), has(Part::Bindings)) {
             (true, true) => Ok(()),
-            (false, true) => missing("`skinweights`, as there are bindings"),
-            (true, false) => missing("`bindings`, as there are skinweights"),
-            (false, false) if has_skeleton => missing("`skinweights`, as there is a skeleton"),
+            (false, true) => missing(Part::Skinweights, ", as there are bindings"),
+            (true, false) => missing(Part::Bindings, ", as there are skinweights"),
+            (false, false) if has_skeleton => {
+                missing(Part::Skinweights, ", as there is a skeleton")
+            }
             (false, false) => Ok(()),
         }
     }
@@ -295,7 +347,10 @@ impl<'a> Reader<'a, '_> {
             influences_so_far += self.skin.mesh.influence_counts[counts] as usize;
             counts += 1;
         }
-        let expected = format!("a joint below {binding_count}, the number of bindings");
+        let expected = match binding_count {
+            0 => "no joint, as there are no bindings".to_owned(),
+            _ => format!("a joint below {binding_count}, the number of bindings"),
+        };
         let token = section.word(&self.lexer, 2 * influence + counts);
         Err(self.lexer.fault(token, expected))
     }

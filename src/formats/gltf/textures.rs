@@ -2,9 +2,9 @@
 
 use super::accessors::Accessors;
 use super::buffers::{self, Bytes};
-use crate::formats::error::LoadError;
+use crate::formats::error::{LoadError, quoted};
 use crate::formats::files::{Files, Gathered};
-use crate::formats::pictures::{self, Alpha, BadPicture};
+use crate::formats::pictures::{Alpha, Decoder};
 use crate::formats::recognise::base_name;
 use crate::limits::Limits;
 use crate::rig::{Encoding, Texture, TexturePlace, TextureTransform, Warnings, Wrap};
@@ -23,13 +23,11 @@ type Decoded<'a> = (Bytes<'a>, Result<Arc<Texture>, String>);
 pub(super) struct Textures<'a> {
     pub accessors: Accessors<'a>,
     from: &'a Gathered,
-    limits: &'a Limits,
+    decoder: Decoder<'a>,
     /// By image. `None` of those that cannot be had.
     of_images: HashMap<(usize, Decoding), Option<Arc<Texture>>>,
     /// By where the bytes of a picture are, which are kept so that no others come to lie there: or why there is none.
     of_bytes: HashMap<(usize, usize, Decoding), Decoded<'a>>,
-    /// Of all textures so far.
-    bytes: u64,
 }
 
 /// A texture that a material names, in the words of the file.
@@ -45,10 +43,9 @@ impl<'a> Textures<'a> {
         Self {
             accessors,
             from,
-            limits,
+            decoder: Decoder::new(limits),
             of_images: HashMap::new(),
             of_bytes: HashMap::new(),
-            bytes: 0,
         }
     }
 
@@ -95,12 +92,17 @@ impl<'a> Textures<'a> {
             return Ok(texture.clone());
         }
         let texture = match self.encoded(index, path, files)? {
-            Ok((bytes, name)) => self.decoded(bytes, name, decoding)?,
+            Ok((bytes, name)) => self.decoded(bytes, name, decoding),
             Err(reason) => Err(reason),
         };
         if let Err(reason) = &texture {
             let faults = self.accessors.faults;
-            warnings.push(|| faults.warning(&format!("images[{index}] is left out: {reason}")));
+            let images = &self.accessors.root.images;
+            let name = images.get(index).and_then(picture_name);
+            warnings.push(|| {
+                let name = name.map_or_else(String::new, |name| format!(", {},", quoted(name)));
+                faults.warning(&format!("images[{index}]{name} is left out: {reason}"))
+            });
         }
         let texture = texture.ok();
         self.of_images.insert((index, decoding), texture.clone());
@@ -135,7 +137,7 @@ impl<'a> Textures<'a> {
                     Err(LoadError::Invalid(fault)) => {
                         Ok(Err(format!("{}: {}", fault.expected, fault.found)))
                     }
-                    Err(other) => Err(other),
+                    Err(other) => Ok(Err(other.to_string())),
                 }
             }
             (None, None) => Ok(Err("it has neither `uri` nor `bufferView`".to_owned())),
@@ -148,26 +150,17 @@ impl<'a> Textures<'a> {
         bytes: Bytes<'a>,
         name: String,
         (encoding, alpha): Decoding,
-    ) -> Result<Result<Arc<Texture>, String>, LoadError> {
+    ) -> Result<Arc<Texture>, String> {
         let key = (bytes.as_ptr() as usize, bytes.len(), (encoding, alpha));
         if let Some((_, texture)) = self.of_bytes.get(&key) {
-            return Ok(texture.clone());
+            return texture.clone();
         }
-        let mut decode = || {
-            let [width, height] = pictures::dimensions(&bytes, self.limits)?;
-            // A small file can hold many pixels, and a document many such files, also broken ones: neither memory nor time must be gone
-            // before the rig is weighed. The halvings come to a third of the full picture.
-            self.bytes += u64::from(width) * u64::from(height) * 16 / 3;
-            self.limits.rig_bytes(self.bytes)?;
-            pictures::decode(&bytes, alpha, self.limits)
-        };
-        let texture = match decode() {
+        let texture = match self.decoder.decode(&bytes, alpha) {
             Ok(level) => Ok(Arc::new(Texture::new(name, encoding, level))),
-            Err(BadPicture::Limit(exceeded)) => return Err(exceeded.into()),
-            Err(BadPicture::Undecodable(reason)) => Err(reason),
+            Err(bad) => Err(bad.to_string()),
         };
         self.of_bytes.insert(key, (bytes, texture.clone()));
-        Ok(texture)
+        texture
     }
 }
 
@@ -207,6 +200,12 @@ impl Named {
             transform: affine(two("offset", 0.0), rotation, two("scale", 1.0)),
         }
     }
+}
+
+/// What a person knows an image by.
+fn picture_name(image: &gltf_json::Image) -> Option<&str> {
+    let file = image.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
+    file.or(image.name.as_deref())
 }
 
 /// What the picture of a texture is called.

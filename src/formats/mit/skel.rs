@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! skel  := joint*                      one at least
-//! joint := x y z parent [NAME]         on a line of its own; empty lines do not count
+//! joint := x y z parent [NAME]         on a line of its own; empty lines do not count; in place of a name a number is read over
 //! ```
 //! Joints are counted from 0 in the order of their lines. `parent` is the number of an earlier one, and -1 for the first joint
 //! alone, which is the root; `x y z` is from the parent's origin. Names are one student's extension.
@@ -19,99 +19,128 @@ use glam::DVec3;
 /// # Errors
 /// [`LoadError::Invalid`] at the first word that does not fit, [`LoadError::Limit`] at the first joint too many.
 pub(in crate::formats) fn read(
-    mut lexer: Lexer,
+    lexer: Lexer,
     limits: &Limits,
     warnings: &mut Warnings,
 ) -> Result<Vec<JointDraft>, LoadError> {
+    let mut reader = Reader {
+        lexer,
+        warnings,
+        numbered: None,
+    };
     let mut joints = Vec::new();
-    let mut first = lexer.next();
+    let mut first = reader.lexer.next();
     if first.is_end() {
-        return Err(lexer.fault(first, "a joint: `x y z parent`").into());
+        let expected = "a joint: `x y z parent`";
+        return Err(reader.lexer.fault(first, expected).into());
     }
     while !first.is_end() {
         let index = joints.len();
         limits.joints(index + 1)?;
-        joints.push(read_joint(&mut lexer, first, index, warnings)?);
-        first = lexer.next();
+        joints.push(reader.read_joint(first, index)?);
+        first = reader.lexer.next();
     }
+    reader.warn_of_numbers();
     Ok(joints)
 }
 
-/// Takes the whole line, of which `word` is the first.
-fn read_joint<'a>(
-    lexer: &mut Lexer<'a>,
-    mut word: Token<'a>,
-    index: usize,
-    warnings: &mut Warnings,
-) -> Result<JointDraft, FileFault> {
-    let mut offset = DVec3::ZERO;
-    for axis in Axis::ALL {
-        offset[axis.index()] = lexer.number_at(word, || format!("in joint {index}"))?;
-        word = lexer.next_in_line();
-    }
-    let parent = parent_of(lexer, word, index)?;
-    let name = read_name(lexer, index, warnings)?;
-    Ok(JointDraft {
-        name: name.to_owned(),
-        parent,
-        offset,
-        rotation_order: RotationOrder::Xyz,
-        translates: parent.is_none(),
-        ..JointDraft::default()
-    })
+struct Reader<'a, 'w> {
+    lexer: Lexer<'a>,
+    warnings: &'w mut Warnings,
+    /// The first number behind a joint, and how many joints have one.
+    numbered: Option<(Token<'a>, usize)>,
 }
 
-fn parent_of(lexer: &Lexer, word: Token, index: usize) -> Result<Option<usize>, FileFault> {
-    if index == 0 {
-        if word.text == "-1" {
-            return Ok(None);
+impl<'a> Reader<'a, '_> {
+    /// Takes the whole line, of which `word` is the first.
+    fn read_joint(&mut self, mut word: Token<'a>, index: usize) -> Result<JointDraft, FileFault> {
+        let mut offset = DVec3::ZERO;
+        for axis in Axis::ALL {
+            let place = || format!("in joint {index}");
+            offset[axis.index()] = self.lexer.number_at(word, place)?;
+            word = self.lexer.next_in_line();
         }
-        let expected = "the parent -1 in joint 0, which is the root";
-        return Err(lexer.fault(word, expected));
+        let parent = self.parent_of(word, index)?;
+        let name = self.read_name(index)?;
+        Ok(JointDraft {
+            name: name.to_owned(),
+            parent,
+            offset,
+            rotation_order: RotationOrder::Xyz,
+            translates: parent.is_none(),
+            ..JointDraft::default()
+        })
     }
-    match word.text.parse() {
-        Ok(parent) if parent < index => Ok(Some(parent)),
-        _ => {
-            let expected = format!("a parent from 0 to {} in joint {index}", index - 1);
-            Err(lexer.fault(word, expected))
+
+    fn parent_of(&self, word: Token<'a>, index: usize) -> Result<Option<usize>, FileFault> {
+        if index == 0 {
+            if word.text == "-1" {
+                return Ok(None);
+            }
+            let expected = "the parent -1 in joint 0, which is the root";
+            return Err(self.lexer.fault(word, expected));
+        }
+        match word.text.parse() {
+            Ok(parent) if parent < index => Ok(Some(parent)),
+            _ => {
+                let parents = match index {
+                    1 => "the parent 0".to_owned(),
+                    _ => format!("a parent from 0 to {}", index - 1),
+                };
+                let expected = format!("{parents} in joint {index}");
+                Err(self.lexer.fault(word, expected))
+            }
         }
     }
-}
 
-/// The name of a joint, empty where its line ends, and whatever else its line has.
-fn read_name<'a>(
-    lexer: &mut Lexer<'a>,
-    index: usize,
-    warnings: &mut Warnings,
-) -> Result<&'a str, FileFault> {
-    /// A name stands in each DOF's name again and in replies.
-    const NAME_BYTES: usize = 256;
-    let name = lexer.next_in_line();
-    if name.ends_line() {
-        return Ok("");
+    /// The name of a joint, empty where its line ends or goes on with a number, and whatever else its line has.
+    fn read_name(&mut self, index: usize) -> Result<&'a str, FileFault> {
+        /// A name stands in each DOF's name again and in replies.
+        const NAME_BYTES: usize = 256;
+        let word = self.lexer.next_in_line();
+        if word.ends_line() {
+            return Ok("");
+        }
+        // The course's own loader takes four numbers of a line and reads no further, so that some files number their lines.
+        if parse_number(word.text).is_some() {
+            self.numbered.get_or_insert((word, 0)).1 += 1;
+            self.skip_line();
+            return Ok("");
+        }
+        let name = self.lexer.unquoted(word);
+        if name.text.len() > NAME_BYTES {
+            let expected = format!("a name of at most {NAME_BYTES} bytes after joint {index}");
+            let found = format!("one of {} bytes", name.text.len());
+            return Err(self.lexer.fault_found(name, expected, found));
+        }
+        let rest = self.lexer.next_in_line();
+        if !rest.ends_line() {
+            let lexer = &self.lexer;
+            self.warnings.push(|| {
+                let place = lexer.place(rest);
+                format!("{place}: what follows the name of a joint is not used")
+            });
+            self.skip_line();
+        }
+        Ok(name.text)
     }
-    // A fifth number is no name but a line of some other format, which would be read as a wrong tree.
-    if parse_number(name.text).is_some() {
-        let expected = format!("a name or the end of the line after joint {index}");
-        return Err(lexer.fault(name, expected));
-    }
-    if name.text.len() > NAME_BYTES {
-        let expected = format!("a name of at most {NAME_BYTES} bytes after joint {index}");
-        let found = format!("one of {} bytes", name.text.len());
-        return Err(lexer.fault_found(name, expected, found));
-    }
-    skip_rest(lexer, warnings);
-    Ok(name.text)
-}
 
-fn skip_rest(lexer: &mut Lexer, warnings: &mut Warnings) {
-    let word = lexer.next_in_line();
-    if word.ends_line() {
-        return;
+    fn skip_line(&mut self) {
+        while !self.lexer.next_in_line().ends_line() {}
     }
-    warnings.push(|| {
-        let place = lexer.place(word);
-        format!("{place}: what follows the name of a joint is not used")
-    });
-    while !lexer.next_in_line().ends_line() {}
+
+    fn warn_of_numbers(&mut self) {
+        let Some((first, count)) = self.numbered else {
+            return;
+        };
+        let lexer = &self.lexer;
+        self.warnings.push(|| {
+            let place = lexer.place(first);
+            let others = match count {
+                1 => String::new(),
+                _ => format!(", and so in {} lines more", count - 1),
+            };
+            format!("{place}: a number behind a joint is not used, nor what follows it{others}")
+        });
+    }
 }

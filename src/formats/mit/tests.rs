@@ -103,10 +103,26 @@ fn what_follows_a_name_is_worth_a_warning() {
 }
 
 #[test]
+fn a_number_behind_a_joint_is_worth_one_warning_for_all() {
+    let one = "0 0 0 -1\n1 0 0 0 7 arm\n1 0 0 1 hand";
+    let (joints, warnings) = skel(one).expect("it is a skeleton");
+    let names: Vec<_> = joints.iter().map(|joint| joint.name.as_str()).collect();
+    assert_eq!(names, ["", "", "hand"]);
+    let wanted = "a.skel:2:9: a number behind a joint is not used, nor what follows it";
+    assert_eq!(warnings, [wanted]);
+    let (joints, warnings) = skel("0 0 0 -1 0\n1 0 0 0 1\n1 0 0 1 2").expect("it is a skeleton");
+    assert!(joints.iter().all(|joint| joint.name.is_empty()));
+    let wanted = "a.skel:1:10: a number behind a joint is not used, nor what follows it, and so in 2 lines more";
+    assert_eq!(warnings, [wanted]);
+}
+
+#[test]
 fn names_of_joints_have_a_bounded_length() {
     let named = |bytes| skel(&format!("0 0 0 -1 {}", "x".repeat(bytes)));
     let (joints, _) = named(256).expect("it is a skeleton");
     assert_eq!(joints[0].name.len(), 256);
+    let (joints, warnings) = skel("0 0 0 -1 \"the root\"").expect("it is a skeleton");
+    assert_eq!((joints[0].name.as_str(), warnings.len()), ("the root", 0));
     let wanted = "a.skel:1:10: expected a name of at most 256 bytes after joint 0, but found one of 257 bytes";
     assert_eq!(named(257).map(|_| ()), Err(wanted.to_owned()));
 }
@@ -152,7 +168,7 @@ fn what_is_wrong_in_a_line_of_a_skeleton_is_told_where_it_is() {
         ),
         (
             "0 0 0 -1\n0 0 0 \r\n",
-            "2:7: expected a parent from 0 to 0 in joint 1, but found the end of the line",
+            "2:7: expected the parent 0 in joint 1, but found the end of the line",
         ),
         (
             "0 0 0 -1\n0 0 0 0\n\n1 0 0 -1\n",
@@ -160,19 +176,15 @@ fn what_is_wrong_in_a_line_of_a_skeleton_is_told_where_it_is() {
         ),
         (
             "0 0 0 -1\n0 0 0 1\n",
-            "2:7: expected a parent from 0 to 0 in joint 1, but found `1`",
+            "2:7: expected the parent 0 in joint 1, but found `1`",
         ),
         (
             "0 0 0 -1\n0 0 0 99999999999999999999\n",
-            "2:7: expected a parent from 0 to 0 in joint 1, but found `99999999999999999999`",
+            "2:7: expected the parent 0 in joint 1, but found `99999999999999999999`",
         ),
         (
             "0 0 0 -1\n0 0 0 0.0\n",
-            "2:7: expected a parent from 0 to 0 in joint 1, but found `0.0`",
-        ),
-        (
-            "0 0 0 -1\n0 0 0 0 7\n",
-            "2:9: expected a name or the end of the line after joint 1, but found `7`",
+            "2:7: expected the parent 0 in joint 1, but found `0.0`",
         ),
     ] {
         let found = skel(text).map(|_| ());

@@ -329,19 +329,17 @@ fn the_bytes_of_all_files_together_are_held_to_their_limit() {
     let path = |path: &str| FileRef::Path(path.to_owned());
     let [skel, skin, picture] = [SKEL.len(), SKIN.len(), BMP.len()].map(|bytes| bytes as u64);
     let [list, morph] = [LIST.len(), MORPH.len()].map(|bytes| bytes as u64);
+    let limits = |rig_file_bytes| Limits {
+        rig_file_bytes,
+        ..Limits::default()
+    };
     for (files, bytes) in [
         (vec![path("good.skel")], skel),
         (vec![path("good.skel"), inline.clone()], skel + picture),
         (vec![inline, path("good.skel")], skel + picture),
-        // The texture that the skin refers to counts.
-        (vec![path("skin.skin")], skin + picture),
-        // What a list names counts, and what that refers to.
-        (vec![path("all.rig")], list + morph + skin + picture),
+        // What a list names counts.
+        (vec![path("all.rig")], list + morph + skin),
     ] {
-        let limits = |rig_file_bytes| Limits {
-            rig_file_bytes,
-            ..Limits::default()
-        };
         assert!(
             load(&files, &folder.rooted(), &limits(bytes)).is_ok(),
             "{files:?}"
@@ -357,6 +355,13 @@ fn the_bytes_of_all_files_together_are_held_to_their_limit() {
             "{files:?}"
         );
     }
+    // The texture that a skin refers to counts, and is left out where it is too much.
+    for (bytes, warnings) in [(skin + picture, 0), (skin + picture - 1, 1)] {
+        let rig = load(&[path("skin.skin")], &folder.rooted(), &limits(bytes));
+        let rig = rig.expect("a texture may be missing").rig;
+        assert_eq!(rig.warnings().len(), warnings);
+        assert_eq!(rig.materials()[0].texture.is_none(), warnings == 1);
+    }
 }
 
 #[test]
@@ -369,18 +374,73 @@ fn a_file_too_large_is_refused_before_it_is_read() {
         println!("left out: files with holes cannot be made here");
         return;
     }
-    for path in ["skin.bmp", "skin.skin"] {
-        let result = load_path(&folder.rooted(), path);
-        let before = if path == "skin.skin" {
-            SKIN.len() as u64
-        } else {
-            0
-        };
-        assert!(
-            matches!(result, Err(LoadError::Limit(found)) if found.asked == before + bytes),
-            "{path}"
-        );
+    let result = load_path(&folder.rooted(), "skin.bmp");
+    assert!(matches!(result, Err(LoadError::Limit(found)) if found.asked == bytes));
+    let rig = load_path(&folder.rooted(), "skin.skin").expect("a texture may be missing");
+    let asked = bytes + SKIN.len() as u64;
+    let reason = format!("the texture `skin.bmp` is left out: {asked} exceeds the limit");
+    assert!(rig.rig.warnings()[0].contains(&reason));
+}
+
+#[test]
+fn a_file_is_found_in_another_case_and_behind_backslashes() {
+    let folder = Folder::new("case");
+    let write = |file: &str, content: &[u8]| {
+        std::fs::write(folder.root().join(file), content).expect("the temporary folder is ours");
+    };
+    write("sub/Head.BMP", BMP);
+    for (name, found) in [
+        ("SKIN.BMP", "skin.bmp"),
+        ("sub/head.bmp", "sub/Head.BMP"),
+        ("Sub\\Head.BMP", "sub/Head.BMP"),
+    ] {
+        write("a.skin", SKIN.replace("skin.bmp", name).as_bytes());
+        let local = folder.root().join("a.skin").display().to_string();
+        for (source, path) in [(folder.rooted(), "a.skin"), (Source::local(), &*local)] {
+            let loaded = load_path(&source, path).expect("the skin is fine");
+            let wanted = format!("{path}: the file `{name}` is taken for `{found}`");
+            assert_eq!(loaded.rig.warnings(), [wanted]);
+            let texture = loaded.rig.materials()[0].texture.as_ref();
+            assert!(found.ends_with(texture.expect("it is found").texture.file()));
+        }
     }
+    // Of several in other cases none is meant more than another.
+    write("a.skin", SKIN.replace("skin.bmp", "SKIN.BMP").as_bytes());
+    write("Skin.bmp", BMP);
+    let rig = load_path(&folder.rooted(), "a.skin")
+        .expect("the skin is fine")
+        .rig;
+    assert!(rig.warnings()[0].ends_with("the texture `SKIN.BMP` is left out: it was not found"));
+    // Neither folders above nor links lead out.
+    for name in ["../SECRET.skel", "ESCAPE.skel"] {
+        write("a.skin", SKIN.replace("skin.bmp", name).as_bytes());
+        let rig = load_path(&folder.rooted(), "a.skin")
+            .expect("the skin is fine")
+            .rig;
+        assert!(rig.materials()[0].texture.is_none(), "{name}");
+    }
+}
+
+#[test]
+fn a_list_and_a_request_know_files_in_another_case_as_well() {
+    let folder = Folder::new("listed");
+    let list = "rig a { skin \"SKIN.skin\" morphs 1 { \"sub/A.morph\" } }";
+    std::fs::write(folder.root().join("b.rig"), list).expect("the temporary folder is ours");
+    let loaded = load_path(&folder.rooted(), "b.rig").expect("all are there");
+    let warnings = [("SKIN.skin", "skin.skin"), ("sub/A.morph", "sub/a.morph")]
+        .map(|(name, found)| format!("b.rig: the file `{name}` is taken for `{found}`"));
+    assert_eq!(loaded.rig.warnings(), warnings);
+    let sent = FileRef::Inline(File {
+        name: "Skin.BMP".to_owned(),
+        bytes: BMP.into(),
+    });
+    let inline = FileRef::Inline(File {
+        name: "a.skin".to_owned(),
+        bytes: SKIN.as_bytes().into(),
+    });
+    let rig = load(&[inline, sent], &Source::inline_only(), &Limits::default());
+    let wanted = "a.skin: the file `skin.bmp` is taken for `Skin.BMP`";
+    assert_eq!(rig.expect("both are there").rig.warnings(), [wanted]);
 }
 
 #[test]

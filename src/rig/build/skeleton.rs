@@ -1,6 +1,6 @@
 //! Joints, and what they were bound at.
 
-use super::{finite, is_usable};
+use super::{LARGEST_COORDINATE, finite, is_usable};
 use crate::rig::{
     Axis, BindPose, Binding, BindingDraft, Joint, JointDraft, Limit, RigError, Rotation, Skeleton,
     names,
@@ -33,9 +33,9 @@ pub(super) fn build(drafts: Vec<JointDraft>) -> Result<Skeleton, RigError> {
         )?;
         for axis in Axis::ALL {
             let Limit { min, max } = draft.rotation_limits[axis.index()];
-            finite(!min.is_nan() && !max.is_nan(), None, || {
-                format!("a limit of joint `{name}`")
-            })?;
+            // Ends may be infinite, but what is clamped between them may not.
+            let has_usable = min <= LARGEST_COORDINATE && max >= -LARGEST_COORDINATE;
+            finite(has_usable, None, || format!("a limit of joint `{name}`"))?;
             if min > max {
                 return Err(RigError::LimitReversed {
                     joint: index,
@@ -107,5 +107,39 @@ fn numbers_of(rotation: Rotation) -> [f64; 4] {
     match rotation {
         Rotation::Angles(angles) => angles.extend(0.0).to_array(),
         Rotation::Quaternion(quaternion) => quaternion.to_array(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_may_have_any_ends_that_leave_a_finite_angle() {
+        let built = |min: f64, max: f64| {
+            let mut joint = JointDraft::default();
+            joint.rotation_limits[0] = Limit { min, max };
+            build(vec![joint])
+        };
+        for (min, max) in [
+            (-1e10, 1e10),
+            (f64::NEG_INFINITY, f64::INFINITY),
+            (1e9, f64::INFINITY),
+        ] {
+            assert!(built(min, max).is_ok(), "{min} {max}");
+        }
+        for (min, max) in [
+            (f64::INFINITY, f64::INFINITY),
+            (1.1e9, 1.2e9),
+            (f64::NEG_INFINITY, -1.1e9),
+            (f64::NAN, 1.0),
+            (0.0, f64::NAN),
+        ] {
+            let refused = built(min, max).map(drop);
+            assert!(
+                matches!(refused, Err(RigError::NotFinite { .. })),
+                "{min} {max}"
+            );
+        }
     }
 }

@@ -190,6 +190,11 @@ fn what_is_wrong_in_an_animation_is_told_where_it_is() {
         ),
         (
             "numchannels 6",
+            "numchannel 6",
+            "3:2: expected `numchannels` before the first `channel`, but found `numchannel`",
+        ),
+        (
+            "numchannels 6",
             "numchannels 6 numchannels 6",
             "3:16: expected `numchannels` once, but found a second one",
         ),

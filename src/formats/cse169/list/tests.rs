@@ -75,6 +75,14 @@ fn what_is_wrong_in_a_list_is_told_where_it_is() {
             "1:9: expected `skeleton`, `skin` or `morphs` with a file's name, but found `}`",
         ),
         (
+            "rig a { skeletn a.skel }",
+            "1:9: expected `skeleton`, `skin` or `morphs` with a file's name, but found `skeletn`",
+        ),
+        (
+            "rig a { skin a.skin Skin \"b c.skin\" }",
+            "1:21: expected `skin` once, but found a second one",
+        ),
+        (
             "rig a { morphs 0 { }\n}",
             "2:1: expected `skeleton`, `skin` or `morphs` with a file's name, but found `}`",
         ),

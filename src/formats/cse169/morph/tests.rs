@@ -91,6 +91,10 @@ fn what_is_wrong_in_a_morph_target_is_told_where_it_is() {
             "1:1: expected `positions`, but found `morph`",
         ),
         (
+            "normals 0 { } position 0 { }".to_owned(),
+            "1:15: expected `positions`, but found `position`",
+        ),
+        (
             "normals 0 { }".to_owned(),
             "1:14: expected `positions`, but found the end of the file",
         ),

@@ -83,7 +83,7 @@ fn what_is_odd_in_a_skeleton_is_worked_with() {
         (
             "balljoint a {\n pos 0 0 1.57\n offset 1 0 0 }",
             1,
-            "a.skel:2:2: skipped `pos`, which is not known here",
+            "a.skel:2:2: skipped `pos`, which is not known here; did you mean `pose`?",
         ),
         (
             "balljoint a { offset 1 0 0 7 }",
@@ -109,6 +109,11 @@ fn what_is_odd_in_a_skeleton_is_worked_with() {
             "balljoint a { offset 2 2 2 pose 0 0 0 boxmin 0 0 0 boxmax 0 0 0 offset 1 0 0 joint b { offset 2 2 2 } }",
             2,
             "a.skel:1:65: `offset` stands twice in a joint; the last one counts",
+        ),
+        (
+            "BallJoint a { offset 1 0 0 }",
+            1,
+            "a.skel:1:1: `BallJoint` is taken for `balljoint`",
         ),
         (
             "balljoint a { offset 1 0 0 } }\n}",
@@ -178,6 +183,14 @@ fn what_is_wrong_in_a_skeleton_is_told_where_it_is() {
             "1:25: expected the smaller value first after `rotzlimit`, but found 2 and -1",
         ),
         (
+            "balljoint a { rotzlimit nan 1 }",
+            "1:25: expected a number after `rotzlimit`, but found `nan`",
+        ),
+        (
+            "balljoint a { rotzlimit 2e9 inf }",
+            "1:25: expected a range with an angle of at most 1e9 in size after `rotzlimit`, but found 2000000000 and inf",
+        ),
+        (
             "balljoint a { } balljoint b { }",
             "1:17: expected the end of the file after the one root joint, but found `balljoint`",
         ),
@@ -204,7 +217,73 @@ fn names_are_free_words_of_a_bounded_length() {
         let (joints, _) = skel(&format!("balljoint {name} {{ }}")).expect(name);
         assert_eq!(joints[0].name, name);
     }
+    let (joints, _) = skel("balljoint \"left {arm\"{ }").expect("it is a skeleton");
+    assert_eq!(joints[0].name, "left {arm");
     let wanted = "a.skel:1:11: expected a name of at most 256 bytes after `balljoint`, but found one of 257 bytes";
     let found = skel(&format!("balljoint {} {{ }}", "x".repeat(257)));
     assert_eq!(found.map(|_| ()), Err(wanted.to_owned()));
+}
+
+#[test]
+fn a_keyword_in_another_case_ends_what_is_skipped() {
+    let (joints, warnings) = skel("balljoint a { mass 3 Offset 1 0 0 }").expect("it is a skeleton");
+    assert_eq!(joints[0].offset, DVec3::X);
+    assert_eq!(
+        warnings,
+        [
+            "a.skel:1:15: skipped `mass`, which is not known here",
+            "a.skel:1:22: `Offset` is taken for `offset`"
+        ]
+    );
+}
+
+#[test]
+fn ends_of_limits_may_be_larger_than_any_angle() {
+    let (min, max) = (f64::NEG_INFINITY, f64::INFINITY);
+    for (text, limit) in [
+        (
+            "-1e10 1e10",
+            Limit {
+                min: -1e10,
+                max: 1e10,
+            },
+        ),
+        (
+            "-3.4e38 .5",
+            Limit {
+                min: -3.4e38,
+                max: 0.5,
+            },
+        ),
+        ("0 inf", Limit { min: 0.0, max }),
+        ("-INF 1e999", Limit { min, max }),
+    ] {
+        let (joints, warnings) = skel(&format!("balljoint a {{ rotylimit {text} }}")).expect(text);
+        assert_eq!(joints[0].rotation_limits[1], limit, "{text}");
+        assert_eq!(warnings, [""; 0], "{text}");
+    }
+}
+
+#[test]
+fn angles_that_look_like_degrees_are_asked_about_once() {
+    let one = "balljoint a { offset 90 90 90 rotxlimit -90 90 }";
+    let (_, warnings) = skel(one).expect("it is a skeleton");
+    let wanted = "a.skel:1:31: `rotxlimit` goes past a full turn here; angles are in radians, were degrees meant?";
+    assert_eq!(warnings, [wanted]);
+    let many = "balljoint a { pose 0 -45 0\n rotxlimit 0 1 rotylimit 0 170 rotzlimit -360 360 }";
+    let (_, warnings) = skel(many).expect("it is a skeleton");
+    let wanted = "a.skel:1:15: `pose` goes past a full turn here, and in 2 places more; \
+        angles are in radians, were degrees meant?";
+    assert_eq!(warnings, [wanted]);
+    // A full turn in few digits, and ways to say that there is no limit.
+    for text in [
+        "pose 6.2832 -6.3 0",
+        "rotxlimit -1000 1000",
+        "rotxlimit -100000 100000",
+        "rotxlimit -1e10 1e10",
+        "rotxlimit -inf inf",
+    ] {
+        let (_, warnings) = skel(&format!("balljoint a {{ {text} }}")).expect(text);
+        assert_eq!(warnings, [""; 0], "{text}");
+    }
 }

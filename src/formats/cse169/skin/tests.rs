@@ -108,6 +108,14 @@ fn what_is_odd_in_a_skin_is_worked_with() {
             vec!["a.skin:1:1: skipped `version`, which is not known here"],
         ),
         (
+            changed("positions 3", "Positions 3"),
+            vec!["a.skin:1:1: `Positions` is taken for `positions`"],
+        ),
+        (
+            changed("texture head.bmp", "TEXTURE \"my head.bmp\""),
+            vec!["a.skin:22:2: `TEXTURE` is taken for `texture`"],
+        ),
+        (
             format!("{SKIN}}}"),
             vec!["a.skin:36:1: skipped `}`, which is not known here"],
         ),
@@ -234,8 +242,20 @@ fn what_is_wrong_in_a_skin_is_told_where_it_is() {
             "33:1: expected `triangles`, but found the end of the file",
         ),
         (
+            changed("positions 3", "position 3"),
+            "1:1: expected `positions`, but found `position`",
+        ),
+        (
+            changed("triangles 1", "triangle 1"),
+            "24:1: expected `triangles`, but found `triangle`",
+        ),
+        (
+            changed("skinweights 3", "skinweight 3"),
+            "16:1: expected `skinweights`, as there are bindings, but found `skinweight`",
+        ),
+        (
             changed("skinweights 3", "weights 3"),
-            "36:1: expected `skinweights`, as there are bindings, but found the end of the file",
+            "16:1: expected `skinweights`, as there are bindings, but found `weights`",
         ),
         (
             format!("{SKIN}normals 1 {{"),
@@ -291,4 +311,35 @@ fn a_skin_must_fit_its_skeleton() {
         skin_with(Some(1), unbound).map(|_| ()),
         Err(wanted.to_owned())
     );
+}
+
+#[test]
+fn a_section_of_no_rows_is_as_good_as_none() {
+    let unbound = "positions 1 { 0 0 0 } triangles 0 { }";
+    for empty in [
+        "normals 0 { }",
+        "texcoords 0 { }",
+        "skinweights 0 { }",
+        "skinweights 0",
+        "bindings 0 { } skinweights 0 { } texcoords 0 { }",
+    ] {
+        let (skin, warnings) = skin(&format!("{unbound} {empty}")).expect(empty);
+        assert!(skin.mesh.normals.is_none() && skin.mesh.texcoords.is_none());
+        assert!(skin.mesh.influence_counts.is_empty() && skin.bindings.is_empty());
+        assert_eq!(warnings, [""; 0], "{empty}");
+    }
+    for (empty, expected) in [
+        ("skinweights 0 { }", "`skinweights`, as there is a skeleton"),
+        (
+            "skinweights 0 { } bindings 1 { matrix { 1 0 0 0 1 0 0 0 1 0 0 0 } }",
+            "`skinweights`, as there are bindings",
+        ),
+    ] {
+        let wanted = format!("a.skin:1:51: expected {expected}, but found `0`");
+        let found = skin_with(Some(1), &format!("{unbound} {empty}"));
+        assert_eq!(found.map(|_| ()), Err(wanted));
+    }
+    let none = format!("{unbound} skinweights 1 {{ 1 0 1 }} bindings 0 {{ }}");
+    let wanted = "a.skin:1:57: expected no joint, as there are no bindings, but found `0`";
+    assert_eq!(skin(&none).map(|_| ()), Err(wanted.to_owned()));
 }
