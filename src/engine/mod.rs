@@ -53,6 +53,8 @@ pub struct PickQuery {
     pub skin: Option<Shape>,
     /// Whether the backs of single-sided skin can be met as well.
     pub cull: Cull,
+    /// Index into the rig's variants, which say what is single-sided.
+    pub variant: Option<usize>,
 }
 
 /// On what terms a job is taken on.
@@ -288,6 +290,7 @@ impl Engine {
             bone_radius,
             skin,
             cull,
+            variant,
         } = query;
         let pick = move |posed: &Posed, meshes: Option<&[SkinnedVertices]>| {
             let targets = Targets {
@@ -299,6 +302,7 @@ impl Engine {
                     posed,
                     shape,
                     cull,
+                    variant,
                     meshes,
                 }),
             };
