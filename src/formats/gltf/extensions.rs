@@ -25,6 +25,7 @@ pub(super) const VARIANTS: &str = "KHR_materials_variants";
 const ABOUT: &str = "what it says about the file is not shown";
 const OUTLINES: &str = "outlines are not drawn";
 const PHYSICS: &str = "nothing is simulated";
+const EXPRESSIONS: &str = "its names of bones and expressions are not known";
 const POINTER: &str = "nothing answers to a pointer";
 
 /// Extensions without which every vertex, joint and key is the same, and what is missing without them. Those of a [family](FAMILIES) are
@@ -79,6 +80,9 @@ const LOOKS_ALONE: &[(&str, &str)] = &[
     ("MPEG_media", "its media are not played"),
     ("MPEG_viewport_recommended", ABOUT),
     ("MSFT_lod", "the finest level alone is drawn"),
+    ("VRM", EXPRESSIONS),
+    ("VRMC_springBone", PHYSICS),
+    ("VRMC_vrm", EXPRESSIONS),
 ];
 
 /// The same of whatever has one of these words after the first `_` of its name, whoever's it is.

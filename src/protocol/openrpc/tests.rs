@@ -361,7 +361,7 @@ fn other_results_fit_their_schemas_and_wrong_ones_do_not() {
         "meshes": [{"name": "skin", "vertex_count": 0, "triangle_count": 0, "material": "fur", "parts": [{"triangle_count": 0, "material": "fur"}], "has_texcoords": true}],
         "materials": [{"name": "fur", "texture": null, "color": [1.0, 0.5, 0.25, 1.0], "opacity": "blend", "single_sided": false, "unlit": false}],
         "variants": ["winter"],
-        "lights": [{"name": "lamp", "kind": "spot", "joint": null, "joint_from_light": [1.0; 16], "color": [1.0, 1.0, 1.0], "intensity": 1.0, "cone": [0.0, 0.5]}],
+        "lights": [{"name": "lamp", "kind": "spot", "joint": null, "joint_from_light": ([1.0; 16]), "color": [1.0, 1.0, 1.0], "intensity": 1.0, "cone": [0.0, 0.5]}],
         "morphs": [], "clips": [],
         "bounds": {"min": [0.0, 0.0, 0.0], "max": [1.0, 1.0, 1.0]},
     });

@@ -120,7 +120,11 @@ fn a_fault_in_a_frame_request_has_its_path_and_says_what_was_expected() {
             "lights[0].colour",
             "unknown field `colour`; did you mean `color`?",
         ),
-        (r#"{"rig":"a","lights":"fil"}"#, "lights", "expected `file`"),
+        (
+            r#"{"rig":"a","lights":"fil"}"#,
+            "lights",
+            "expected a list of lights or `file`, but found string \"fil\"",
+        ),
         (
             r#"{"rig":"a","lights":{}}"#,
             "lights",
