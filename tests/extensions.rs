@@ -598,6 +598,8 @@ fn lights_that_are_not_as_they_should_be_are_left_out() {
         warnings.len() == 1 && warnings[0].contains("of 20 lights the first 16"),
         "{warnings:?}"
     );
+    let described = describe("many lamps");
+    assert_eq!(described["lights"].as_array().map(Vec::len), Some(16));
     seen("many lamps", json!({"lights": "file"}));
 }
 

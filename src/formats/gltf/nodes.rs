@@ -75,7 +75,7 @@ impl Nodes {
         Ok(nodes)
     }
 
-    /// Of a node of the scene that is a joint or leads to a light; `None` where numbers of it are not finite.
+    /// Of a node that is a joint or leads to a light; `None` where numbers of it or above it are not finite.
     pub fn place(&self, node: usize) -> Option<Place> {
         let joint = self.joint_of[node].map(|joint| Place {
             joint: Some(joint),
@@ -262,7 +262,7 @@ fn mattering(
     Ok(matters)
 }
 
-/// By node, whether it is in the scene and carries a light, or is above one that does.
+/// By node, whether it carries a light of the scene or is above one.
 fn leading_to_lights(
     root: &Root,
     parents: &[Option<usize>],
@@ -272,7 +272,7 @@ fn leading_to_lights(
     let mut leads = vec![false; root.nodes.len()];
     for &node in order.iter().rev() {
         leads[node] |= is_in_scene[node] && lights::is_carried_by(&root.nodes[node]);
-        if let Some(parent) = parents[node].filter(|&parent| leads[node] && is_in_scene[parent]) {
+        if let Some(parent) = parents[node].filter(|_| leads[node]) {
             leads[parent] = true;
         }
     }
