@@ -29,4 +29,7 @@ struct Light {
     toward_or_position: vec4<f32>,
     // Linear RGB; w = 1 divides by the squared distance.
     radiance: vec4<f32>,
+    // Of the unit vector l toward the light, the square of clamp(dot(l, xyz) + w, 0, 1) is what of it gets there: 1 everywhere but around a
+    // spot light.
+    cone: vec4<f32>,
 }

@@ -57,13 +57,14 @@ fn reflected(
         let n_dot_l = dot(n, l);
         if n_dot_l > 0.0 {
             let falloff = select(1.0, max(distance_squared, view.least_distance_squared), light.radiance.w == 1.0);
+            let inside = clamp(dot(l, light.cone.xyz) + light.cone.w, 0.0, 1.0);
             let halfway = l + back_to_eye;
             let halfway_squared = dot(halfway, halfway);
             let h = halfway * select(0.0, inverseSqrt(halfway_squared), halfway_squared > 0.0);
             let n_dot_h = max(dot(n, h), 0.0);
             // pow(0, 0) is undefined in WGSL; an exponent of 0 means 1 everywhere.
             let highlight = select(pow(n_dot_h, shininess), 1.0, shininess == 0.0);
-            color += light.radiance.rgb / falloff * (diffuse * n_dot_l + specular * highlight);
+            color += light.radiance.rgb / falloff * (inside * inside) * (diffuse * n_dot_l + specular * highlight);
         }
     }
     return color;

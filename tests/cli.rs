@@ -827,6 +827,66 @@ fn morphs_and_clips_are_listed() {
     }
 }
 
+/// That of the protocol's examples: it has two variants, and a spot light on its joint `arm`.
+fn write_wall() {
+    let examples = include_str!("../api/examples/looks.jsonl");
+    let first = examples.lines().next().expect("the rig is loaded first");
+    let first: serde_json::Value = serde_json::from_str(first).expect("JSON");
+    let file = &first["request"]["params"]["files"][0]["text"];
+    let file = file.as_str().expect("a file of text");
+    std::fs::write(folder().join("wall.gltf"), file).expect("a file");
+}
+
+#[test]
+fn a_variant_and_the_lights_of_a_file_are_chosen_and_listed() {
+    write_wall();
+    let own = drawn("wall.png", &["wall.gltf"]);
+    let summer = drawn("summer.png", &["wall.gltf", "--variant", "summer"]);
+    let winter = drawn("winter.png", &["wall.gltf", "--variant", "winter"]);
+    let lit = drawn("lit.png", &["wall.gltf", "--light", "file"]);
+    let moved = drawn(
+        "moved.png",
+        &["wall.gltf", "--light", "file", "--set", "arm.tx=0.5"],
+    );
+    let all = [own, summer, winter, lit, moved];
+    for (index, picture) in all.iter().enumerate() {
+        assert!(
+            !all[..index].contains(picture),
+            "picture {index} is like another"
+        );
+    }
+    let wrong = ["render", "wall.gltf", "-o", "x.png", "--variant", "wintre"];
+    let output = rigd(&[&wrong[..], &ADAPTER].concat());
+    let said = text(&output.stderr);
+    assert!(
+        !output.status.success() && said.contains("did you mean `winter`?"),
+        "{said}"
+    );
+    let both = [
+        "render",
+        "wall.gltf",
+        "-o",
+        "x.png",
+        "--light",
+        "file",
+        "--light",
+        "dir:0,-1,0",
+    ];
+    let output = rigd(&[&both[..], &ADAPTER].concat());
+    let said = text(&output.stderr);
+    assert!(
+        !output.status.success() && said.contains("goes with no other light"),
+        "{said}"
+    );
+    let tree = text(&rigd(&["inspect", "wall.gltf"]).stdout);
+    for line in [
+        "variants\n├─ summer\n└─ winter\n",
+        "lights\n└─ lamp: spot, 9 cd, on arm\n",
+    ] {
+        assert!(tree.contains(line), "{line}\nis not in\n{tree}");
+    }
+}
+
 #[test]
 fn without_a_gpu_and_a_driver_it_draws_all_the_same_and_says_why() {
     let mut command = Command::new(env!("CARGO_BIN_EXE_rigd"));

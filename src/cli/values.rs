@@ -259,10 +259,11 @@ impl FromStr for Fps {
     }
 }
 
-/// A light, or the wish for none.
+/// A light, the wish for none, or for those of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum LightArg {
     None,
+    File,
     Light(Light),
 }
 
@@ -270,7 +271,8 @@ impl FromStr for LightArg {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        light(text).ok_or_else(|| format!("expected {LIGHT_FORM} or none, but found `{text}`"))
+        light(text)
+            .ok_or_else(|| format!("expected {LIGHT_FORM}, none or file, but found `{text}`"))
     }
 }
 
@@ -278,8 +280,10 @@ const LIGHT_FORM: &str =
     "dir:X,Y,Z[:R,G,B][:INTENSITY] or point:X,Y,Z[:R,G,B][:INTENSITY][:inverse_square]";
 
 fn light(text: &str) -> Option<LightArg> {
-    if text == "none" {
-        return Some(LightArg::None);
+    match text {
+        "none" => return Some(LightArg::None),
+        "file" => return Some(LightArg::File),
+        _ => {}
     }
     let (kind, rest) = text.split_once(':')?;
     let mut parts = rest.split(':').peekable();
@@ -483,6 +487,7 @@ mod tests {
         let red = Some([1.0, 0.0, 0.0]);
         for (text, wanted) in [
             ("none", LightArg::None),
+            ("file", LightArg::File),
             ("dir:0,-1,.5", directional(None, None)),
             ("dir:0,-1,.5:2", directional(None, Some(2.0))),
             ("dir:0,-1,.5:1,0,0:2", directional(red, Some(2.0))),

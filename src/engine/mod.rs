@@ -55,6 +55,8 @@ pub struct PickQuery {
     pub skin: Option<Shape>,
     /// Whether the backs of single-sided skin can be met as well.
     pub cull: Cull,
+    /// Index into the rig's variants, which say what is single-sided.
+    pub variant: Option<usize>,
 }
 
 /// On what terms a job is taken on.
@@ -294,6 +296,7 @@ impl Engine {
             bone_radius,
             skin,
             cull,
+            variant,
         } = query;
         let pick = move |posed: &Posed, meshes: Option<&[SkinnedVertices]>| {
             let targets = Targets {
@@ -305,6 +308,7 @@ impl Engine {
                     posed,
                     shape,
                     cull,
+                    variant,
                     meshes,
                 }),
             };

@@ -31,6 +31,8 @@ pub struct Skin<'a> {
     pub shape: Shape,
     /// Whether the backs of single-sided materials are met as well.
     pub cull: Cull,
+    /// Of the rig, which says what is single-sided.
+    pub variant: Option<usize>,
     /// All vertices of each mesh of the rig, in its order. Where positions are left out there is nothing to meet; where normals are,
     /// triangles count as flat.
     pub meshes: &'a [SkinnedVertices],

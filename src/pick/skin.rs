@@ -56,7 +56,7 @@ enum Side {
 }
 
 fn side_met(skin: &Skin, mesh: &Mesh, part: &Part) -> Side {
-    let is_single_sided = matches!(part.sides, Sides::Front { .. });
+    let is_single_sided = matches!(part.look(skin.variant).sides, Sides::Front { .. });
     if !is_single_sided || skin.cull == Cull::Never {
         Side::Any
     } else if skin.shape == Shape::Posed && skin.posed.mirrors(mesh) {

@@ -78,6 +78,7 @@ fn pick_skin(ray: &Ray, rig: &Arc<Rig>, meshes: &[SkinnedVertices]) -> Option<Hi
             posed: &at_rest(rig),
             shape: Shape::Bind,
             cull: Cull::Auto,
+            variant: None,
             meshes,
         }),
         bones: None,
@@ -349,6 +350,7 @@ fn the_nearest_of_skin_and_bones_is_picked_and_skin_of_equals() {
                 posed: &posed,
                 shape: Shape::Bind,
                 cull: Cull::Auto,
+                variant: None,
                 meshes: &meshes,
             }),
         };

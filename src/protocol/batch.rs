@@ -3,7 +3,7 @@
 
 use super::Id;
 use super::blob::{ArrayTransport, Blob, PictureTransport};
-use super::camera::{Camera, Light};
+use super::camera::{Camera, Lights};
 use super::frame::{
     Compression, Cull, Frame, FrameParams, ImageFormat, Material, Output, Samples, Show, Skinning,
     Timings, frame_request,
@@ -40,7 +40,7 @@ pub struct FrameChange {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<Box<Camera>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub lights: Option<Vec<Light>>,
+    pub lights: Option<Lights>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ambient: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]

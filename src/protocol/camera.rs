@@ -6,9 +6,11 @@
 
 use super::parse::field_error;
 use schemars::{JsonSchema, Schema};
-use serde::de::Error;
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{Error, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::json;
+use std::fmt;
 
 /// Where the picture is taken from. World space, right-handed; the camera looks down its own −Z with +Y up on screen.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -99,6 +101,23 @@ pub enum Axes {
     Gl,
     /// +Y down, looking down +Z.
     Cv,
+}
+
+/// What lights a picture.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Lights {
+    /// These, at most 16.
+    Given(Vec<Light>),
+    Named(NamedLights),
+}
+
+/// Lights that are found elsewhere.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum NamedLights {
+    /// Those of the rig's file, which move with their joints. A rig without any is an error.
+    File,
 }
 
 /// Where light comes from, in world space. Colors are linear RGB from 0 to 1.
@@ -272,6 +291,33 @@ struct LightFields {
     color: Option<[f64; 3]>,
     intensity: Option<f64>,
     falloff: Option<Falloff>,
+}
+
+impl<'de> Deserialize<'de> for Lights {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(LightsVisitor)
+    }
+}
+
+struct LightsVisitor;
+
+impl<'de> Visitor<'de> for LightsVisitor {
+    type Value = Lights;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a list of lights or `file`")
+    }
+
+    fn visit_str<E: Error>(self, word: &str) -> Result<Lights, E> {
+        match word {
+            "file" => Ok(Lights::Named(NamedLights::File)),
+            _ => Err(E::invalid_value(Unexpected::Str(word), &self)),
+        }
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, lights: A) -> Result<Lights, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(lights)).map(Lights::Given)
+    }
 }
 
 impl<'de> Deserialize<'de> for Light {

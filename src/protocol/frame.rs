@@ -2,7 +2,7 @@
 //! Never lives here: cameras and lights, which have a file of their own, and the ranges that numbers must be in.
 
 use super::blob::{Blob, PictureTransport};
-use super::camera::{Camera, Light};
+use super::camera::{Camera, Lights};
 use super::pose::{Clamped, Pose};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::Error;
@@ -28,9 +28,9 @@ macro_rules! frame_request {
             pub show: Show,
             #[serde(default)]
             pub camera: Camera,
-            /// At most 16. Without it, a warm key light and a cool fill; an empty list leaves the ambient light alone.
+            /// A list of at most 16, or `file`. Without it, a warm key light and a cool fill; an empty list leaves the ambient light alone.
             #[serde(default, skip_serializing_if = "Option::is_none")]
-            pub lights: Option<Vec<Light>>,
+            pub lights: Option<Lights>,
             /// Light from everywhere. Without it, just enough to see into the shadows.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             pub ambient: Option<[f64; 3]>,
@@ -70,7 +70,7 @@ macro_rules! frame_request {
                     camera: self.camera.clone(),
                     lights: self.lights.clone(),
                     ambient: self.ambient,
-                    material: self.material,
+                    material: self.material.clone(),
                     background: self.background,
                     cull: self.cull,
                     size: self.size,
@@ -239,7 +239,7 @@ impl Default for Show {
 }
 
 /// The surface of the skin (Blinn-Phong). What is left out is a warm grey with a slight gloss, and white under a texture.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
     /// Color that light is scattered in.
@@ -251,6 +251,9 @@ pub struct Material {
     /// Exponent of the highlight: the higher, the smaller.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shininess: Option<f64>,
+    /// Name of one of the rig's `variants`, which chooses other materials of the file. Without it, the file's own choice.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub variant: Option<String>,
 }
 
 /// Samples of a pixel, which are averaged: 1 or 4.

@@ -1,7 +1,7 @@
 //! `scene.pick`: what is seen at a pixel. Never lives here: how it is found.
 
 use super::blob::PictureTransport;
-use super::camera::{Camera, Light};
+use super::camera::{Camera, Lights};
 use super::frame::{
     Compression, Cull, FrameParams, ImageFormat, Material, Output, Samples, Show, Skinning,
     Timings, frame_request,

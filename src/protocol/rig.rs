@@ -152,6 +152,10 @@ pub struct RigDescription {
     pub dofs: Vec<DofDescription>,
     pub meshes: Vec<MeshDescription>,
     pub materials: Vec<MaterialDescription>,
+    /// What `variant` of a material can name.
+    pub variants: Vec<String>,
+    /// What `lights` of a frame request means by `file`.
+    pub lights: Vec<LightDescription>,
     /// In load order; each is moved by the degree of freedom `morph.<name>`.
     pub morphs: Vec<MorphDescription>,
     /// What `clip` of a pose can name.
@@ -245,6 +249,36 @@ pub struct MaterialDescription {
     pub single_sided: bool,
     /// Whether light leaves it as it is.
     pub unlit: bool,
+}
+
+/// A light of the file. In its own space it shines along −Z, from the origin.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LightDescription {
+    pub name: String,
+    pub kind: LightKind,
+    /// What it moves with; null for one that stands still.
+    pub joint: Option<String>,
+    /// Column-major; without a joint it leads to world space.
+    pub joint_from_light: [f64; 16],
+    /// Linear RGB from 0 to 1.
+    pub color: [f64; 3],
+    /// In candela; of a directional light in lux.
+    pub intensity: f64,
+    /// Of a spot light: radians from its direction up to which it shines in full, and up to which at all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cone: Option<[f64; 2]>,
+}
+
+/// What shape the light of a file has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum LightKind {
+    /// From so far away that it is the same everywhere.
+    Directional,
+    /// From one point.
+    Point,
+    /// From one point into a cone.
+    Spot,
 }
 
 /// What becomes of the opacity of a material.

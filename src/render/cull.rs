@@ -31,6 +31,8 @@ pub(super) struct Culling {
     is_asked_for: bool,
     is_mirrored: bool,
     hides_its_inside: bool,
+    /// Of the rig, which says what parts are made of.
+    variant: Option<usize>,
 }
 
 impl Culling {
@@ -43,6 +45,7 @@ impl Culling {
             is_asked_for: scene.cull == Cull::Auto,
             is_mirrored,
             hides_its_inside: is_opaque && is_seen_from_outside && !is_mirrored,
+            variant: scene.surface.variant,
         }
     }
 
@@ -50,7 +53,7 @@ impl Culling {
     pub fn pieces(self, part: &Part) -> impl Iterator<Item = Piece> + use<> {
         let Range { start, end } = part.triangles;
         let piece = |triangles, culled| Piece { triangles, culled };
-        let halves = match part.sides {
+        let halves = match part.look(self.variant).sides {
             Sides::Outside { count } if self.is_asked_for && self.hides_its_inside => [
                 piece(start..start + count, Some(Side::Back)),
                 piece(start + count..end, Some(Side::Front)),

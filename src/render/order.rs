@@ -27,7 +27,7 @@ pub(super) fn blending_parts(plan: &Plan, into: &mut Vec<(f64, PartPlace)>) {
         let rig = of_plan.rig();
         for (mesh, of_rig) in rig.meshes().iter().enumerate() {
             for (part, of_mesh) in of_rig.parts().iter().enumerate() {
-                let material = of_mesh.material.map(|material| &rig.materials()[material]);
+                let material = rig.material_of(of_mesh, picture.scene.surface.variant);
                 if material.is_some_and(|material| material.opacity == Opacity::Blend) {
                     let distance = distance(&picture.scene.camera, of_plan.center_of(of_mesh));
                     into.push((

@@ -14,7 +14,8 @@
 //! 3. **Shade**, per pixel and triangle, in world space and linear RGB, at the pixel's center, or at a place the triangle covers where it
 //!    does not cover all samples; `n` flipped toward the side that is seen:
 //!    `ambient · diffuse + Σ radiance · (diffuse · max(n·l, 0) + [n·l > 0] · specular · max(n·h, 0)^shininess) + emissive`, clamped to 0..1.
-//!    A flat normal is the triangle's own. `diffuse` is the surface's, times the texture at the pixel's center where the mesh has one
+//!    The radiance of a spot light is times `clamp((cos − cos outer) / (cos inner − cos outer), 0, 1)²`, `cos` being that of the angle between
+//!    its direction and the way to what it lights. A flat normal is the triangle's own. `diffuse` is the surface's, times the texture at the pixel's center where the mesh has one
 //!    (linear light, bilinear in two levels and linear between), times the vertex color, interpolated as positions are and held to 0..1;
 //!    of a skeleton's solids it is their own color. Where a texture is asked for: texture coordinates (u, v), `v` = 0 the bottom row, are
 //!    mapped from (u, 1 − v) by the material's transform to a place on the picture, from its upper left corner; beyond (0, 0) and (1, 1)

@@ -2,7 +2,7 @@
 //! `shaders/common.wgsl`; a test beside the other mirrors compares every offset.
 
 use super::Picture;
-use crate::scene::{Color, Falloff, Light, ShowNormals, Surface};
+use crate::scene::{Color, Cone, Falloff, Light, ShowNormals, Surface};
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
@@ -34,6 +34,7 @@ pub(super) struct View {
 pub(super) struct ShaderLight {
     pub toward_or_position: Vec4,
     pub radiance: Vec4,
+    pub cone: Vec4,
 }
 
 impl View {
@@ -72,6 +73,7 @@ impl ShaderLight {
             } => Self {
                 toward_or_position: (-direction).extend(0.0),
                 radiance: radiance.extend(0.0),
+                cone: EVERYWHERE,
             },
             Light::Point {
                 position,
@@ -83,7 +85,27 @@ impl ShaderLight {
                     Falloff::None => 0.0,
                     Falloff::InverseSquare => 1.0,
                 }),
+                cone: EVERYWHERE,
+            },
+            Light::Spot {
+                position,
+                radiance,
+                cone,
+            } => Self {
+                toward_or_position: position.extend(1.0),
+                radiance: radiance.extend(1.0),
+                cone: falling_off(cone),
             },
         }
     }
+}
+
+/// Of a light without a cone: the same in every direction.
+const EVERYWHERE: Vec4 = Vec4::W;
+
+/// KHR_lights_punctual has this formula, and the least width, so that a sharp edge is no division by 0.
+fn falling_off(cone: Cone) -> Vec4 {
+    const LEAST_WIDTH: f32 = 0.001;
+    let scale = 1.0 / (cone.cosine_of_inner - cone.cosine_of_outer).max(LEAST_WIDTH);
+    (-cone.direction * scale).extend(-cone.cosine_of_outer * scale)
 }

@@ -1,7 +1,8 @@
 //! What readers fill: plain fields, and what can be wrong with them. Never lives here: the checks, which are in `build`.
 
 use super::{
-    Curve, DofKind, LARGEST_COORDINATE, Limit, Material, Rotation, RotationOrder, Warnings,
+    Curve, DofKind, FileLight, LARGEST_COORDINATE, Limit, Material, Rotation, RotationOrder,
+    Warnings,
 };
 use crate::limits::LimitExceeded;
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
@@ -15,6 +16,9 @@ pub struct Draft {
     /// What the influences of all meshes point at.
     pub bindings: Vec<BindingDraft>,
     pub materials: Vec<Material>,
+    /// Names of choices of materials; empty where the file gives none.
+    pub variants: Vec<String>,
+    pub lights: Vec<FileLight>,
     /// In load order.
     pub morphs: Vec<MorphDraft>,
     pub clips: Vec<ClipDraft>,
@@ -90,6 +94,19 @@ pub struct MeshDraft {
     pub triangles: Vec<[u32; 3]>,
     /// Of all triangles, one part after another. Empty: a single part without a material.
     pub parts: Vec<PartDraft>,
+    /// What is made of something else in a variant; of several of one part and variant the first counts.
+    pub in_variants: Vec<PartInVariant>,
+}
+
+/// What a part of a mesh is made of in one of the file's variants.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PartInVariant {
+    /// Index into [`MeshDraft::parts`].
+    pub part: usize,
+    /// Index into [`Draft::variants`].
+    pub variant: usize,
+    /// Index into [`Draft::materials`].
+    pub material: usize,
 }
 
 /// Triangles of a mesh that are made of one material.

@@ -2,6 +2,7 @@
 
 use super::MorphDisplacement;
 use glam::{DAffine3, Vec2, Vec3, Vec4};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// What a vertex can be bound to: a joint as it stood when the mesh was bound, or the world itself.
@@ -46,6 +47,8 @@ pub struct Part {
     pub triangles: Range<usize>,
     /// Index into [`Rig::materials`](super::Rig::materials).
     pub material: Option<usize>,
+    /// What it is instead in some of the rig's variants, by their index.
+    pub(super) in_variants: BTreeMap<usize, Look>,
     /// Lit by each triangle's own normal, whatever is asked for.
     pub is_flat: bool,
     pub sides: Sides,
@@ -53,6 +56,53 @@ pub struct Part {
     pub center: Vec3,
     /// Index into [`Rig::bindings`](super::Rig::bindings): what these corners follow most.
     pub follows: u32,
+}
+
+/// What a part is made of, and what follows from that.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Look {
+    /// Index into [`Rig::materials`](super::Rig::materials).
+    pub material: Option<usize>,
+    pub sides: Sides,
+}
+
+impl Part {
+    /// In a variant, an index into [`Rig::variants`](super::Rig::variants); `None` is the file's own choice.
+    pub fn look(&self, variant: Option<usize>) -> Look {
+        let in_variant = variant.and_then(|variant| self.in_variants.get(&variant));
+        in_variant.copied().unwrap_or(Look {
+            material: self.material,
+            sides: self.sides,
+        })
+    }
+
+    fn memory_bytes(&self) -> usize {
+        size_of::<Self>() + self.in_variants.len() * size_of::<(usize, Look)>()
+    }
+
+    /// The file's own first, then those of variants.
+    pub(super) fn materials(&self) -> impl Iterator<Item = Option<usize>> {
+        let in_variants = self.in_variants.values().map(|look| look.material);
+        std::iter::once(self.material).chain(in_variants)
+    }
+
+    /// By what it is made of.
+    pub(super) fn set_sides(&mut self, of: impl Fn(Option<usize>) -> Sides) {
+        self.sides = of(self.material);
+        for look in self.in_variants.values_mut() {
+            look.sides = of(look.material);
+        }
+    }
+
+    /// Its draw triangles in one or two runs, each of which is culled alike whatever the variant.
+    pub fn halves(&self) -> [Range<usize>; 2] {
+        let Range { start, end } = self.triangles;
+        let in_variants = self.in_variants.values().map(|look| look.sides);
+        let mut looks = std::iter::once(self.sides).chain(in_variants);
+        let split = looks.find_map(Sides::first_count);
+        let middle = split.map_or(end, |count| start + count);
+        [start..middle, middle..end]
+    }
 }
 
 /// Which sides of a surface there are to be seen.
@@ -72,6 +122,14 @@ pub enum Sides {
 }
 
 impl Sides {
+    /// How many draw triangles stand before those that are wound the other way.
+    fn first_count(self) -> Option<usize> {
+        match self {
+            Self::Both => None,
+            Self::Outside { count } | Self::Front { count } => Some(count),
+        }
+    }
+
     /// Of what encloses a volume, how many draw triangles are wound counter-clockwise seen from outside.
     pub fn outward_count(self) -> Option<usize> {
         match self {
@@ -212,6 +270,7 @@ impl Mesh {
             + size_of_val(self.morph_displacements.as_slice())
             + size_of_val(self.triangles.as_slice())
             + size_of_val(self.draw_triangles.as_slice())
+            + self.parts.iter().map(Part::memory_bytes).sum::<usize>()
             + size_of_val(self.followers.as_slice())
     }
 }

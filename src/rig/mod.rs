@@ -5,6 +5,7 @@ mod build;
 mod clip;
 mod dof;
 mod draft;
+mod light;
 mod material;
 mod mesh;
 mod morph;
@@ -18,10 +19,11 @@ pub use clip::{Channel, Clip, Curve, Extrapolation, Interpolation, Key, slerp};
 pub use dof::{Dof, DofKind, Dofs};
 pub use draft::{
     BindPose, BindingDraft, ChannelDraft, ClipDraft, Draft, JointDraft, MeshDraft, MorphDraft,
-    MorphForm, PartDraft, RigError,
+    MorphForm, PartDraft, PartInVariant, RigError,
 };
+pub use light::{FileLight, FileLightKind};
 pub use material::{Highlight, Material, NormalMap, Opacity, TexturePlace, TextureTransform, Wrap};
-pub use mesh::{Binding, Followers, Influence, Mesh, Part, Sides};
+pub use mesh::{Binding, Followers, Influence, Look, Mesh, Part, Sides};
 pub use morph::{Morph, MorphDisplacement};
 pub use rotation::{Rotation, RotationOrder};
 pub use skeleton::{Axis, Joint, Limit, Skeleton};
@@ -56,6 +58,8 @@ pub struct Rig {
     meshes: Vec<Mesh>,
     bindings: Vec<Binding>,
     materials: Vec<Material>,
+    variants: Vec<String>,
+    lights: Vec<FileLight>,
     morphs: Vec<Morph>,
     clips: Vec<Clip>,
     warnings: Vec<String>,
@@ -85,6 +89,21 @@ impl Rig {
 
     pub fn materials(&self) -> &[Material] {
         &self.materials
+    }
+
+    /// Names of the choices of materials that the file offers beside its own.
+    pub fn variants(&self) -> &[String] {
+        &self.variants
+    }
+
+    /// What a part of one of its meshes is made of. `variant` is an index into [`Rig::variants`], `None` the file's own choice.
+    pub fn material_of(&self, part: &Part, variant: Option<usize>) -> Option<&Material> {
+        let material = part.look(variant).material?;
+        Some(&self.materials[material])
+    }
+
+    pub fn lights(&self) -> &[FileLight] {
+        &self.lights
     }
 
     /// Of all materials; one that several wear comes as often.

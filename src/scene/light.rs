@@ -25,6 +25,34 @@ pub enum Light {
         radiance: Vec3,
         falloff: Falloff,
     },
+    /// A point light that weakens by [`Falloff::InverseSquare`] and shines into a cone. Only files have them.
+    Spot {
+        position: Vec3,
+        radiance: Vec3,
+        cone: Cone,
+    },
+}
+
+/// Where a spot light shines: in full up to one angle from its direction, from there to another by the square of how far the cosine of the
+/// angle is on its way from one to the other, and no further.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cone {
+    /// The way the light travels, unit length.
+    pub direction: Vec3,
+    pub cosine_of_inner: f32,
+    /// Not above the other one.
+    pub cosine_of_outer: f32,
+}
+
+impl Cone {
+    /// Angles from the direction, in radians, `inner` not above `outer`.
+    pub fn new(direction: Vec3, inner: f64, outer: f64) -> Self {
+        Self {
+            direction,
+            cosine_of_inner: libm::cos(inner) as f32,
+            cosine_of_outer: libm::cos(outer) as f32,
+        }
+    }
 }
 
 impl Light {

@@ -8,7 +8,7 @@ mod query;
 
 pub use bounds::Bounds;
 pub use camera::{Camera, FOV_Y_RADIANS, LookAt, Near, Orbit, Pinhole, Projection};
-pub use light::{Falloff, Light};
+pub use light::{Cone, Falloff, Light};
 pub use query::{BoneRadius, Ray, Shape, VertexQuery};
 
 use crate::limits::{LimitExceeded, Limits};
@@ -150,6 +150,8 @@ pub struct Surface {
     pub specular: Option<Color>,
     /// The exponent on n·h. Where neither gives it, [`Surface::SHININESS`].
     pub shininess: Option<f32>,
+    /// Index into the rig's variants: what these choose stands in place of the file's own materials.
+    pub variant: Option<usize>,
 }
 
 impl Surface {
@@ -176,6 +178,7 @@ impl Surface {
             diffuse,
             specular,
             shininess: shininess.map(|shininess| shininess as f32),
+            variant: None,
         })
     }
 }

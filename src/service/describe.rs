@@ -7,8 +7,12 @@ use crate::pose::Clamped;
 use crate::protocol::mesh::MeshPart;
 use crate::protocol::pose as wire_pose;
 use crate::protocol::rig as wire;
-use crate::rig::{Channel, Dof, DofKind, Joint, Limit, Mesh, Opacity, Part, Rig, RotationOrder};
+use crate::rig::{
+    Channel, Dof, DofKind, FileLight, FileLightKind, Joint, Limit, Mesh, Opacity, Part, Rig,
+    RotationOrder,
+};
 use crate::scene::Bounds;
+use glam::DMat4;
 
 /// What `rig.describe` would answer for these files, without keeping them and without a renderer.
 ///
@@ -90,6 +94,12 @@ pub(super) fn description(found: &RigRef) -> wire::RigDescription {
                 single_sided: material.is_single_sided,
                 unlit: material.is_unlit,
             })
+            .collect(),
+        variants: rig.variants().to_vec(),
+        lights: rig
+            .lights()
+            .iter()
+            .map(|described| light(described, joints))
             .collect(),
         morphs: rig
             .morphs()
@@ -178,6 +188,23 @@ fn joint(joint: &Joint, joints: &[Joint]) -> wire::JointDescription {
         bounding_box: joint
             .bounding_box
             .map(|[min, max]| bounds(&Bounds { min, max })),
+    }
+}
+
+fn light(light: &FileLight, joints: &[Joint]) -> wire::LightDescription {
+    let (kind, cone) = match light.kind {
+        FileLightKind::Directional => (wire::LightKind::Directional, None),
+        FileLightKind::Point => (wire::LightKind::Point, None),
+        FileLightKind::Spot { inner, outer } => (wire::LightKind::Spot, Some([inner, outer])),
+    };
+    wire::LightDescription {
+        name: light.name.clone(),
+        kind,
+        joint: light.joint.map(|joint| joints[joint].name.clone()),
+        joint_from_light: DMat4::from(light.joint_from_light).to_cols_array(),
+        color: light.color.as_dvec3().to_array(),
+        intensity: light.intensity,
+        cone,
     }
 }
 

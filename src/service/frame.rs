@@ -3,13 +3,14 @@
 use super::answer::Answer;
 use super::batch::{Course, Items};
 use super::scene::of_skinning;
-use super::{Call, describe};
+use super::{Call, describe, file_lights};
 use crate::encode::{self, Compression};
 use crate::engine::{RigRef, Terms};
 use crate::frame::Frame;
 use crate::pose::{Clamped, Posed};
 use crate::protocol::batch::{FrameBatch, FrameBatchParams, FrameChange, FrameReady};
 use crate::protocol::blob::{Blob, Picture, PictureTransport};
+use crate::protocol::camera::{Lights, NamedLights};
 use crate::protocol::frame as wire;
 use crate::protocol::{Attachments, Fault, Id};
 use crate::scene::{Camera, Scene, Size};
@@ -88,8 +89,11 @@ impl Call {
     }
 
     fn subject(&self, params: &wire::FrameParams, found: &RigRef) -> Result<Subject, Fault> {
-        let scene = self.scene(params, &found.loaded)?;
+        let mut scene = self.scene(params, &found.loaded)?;
         let (posed, clamped) = self.posed(&params.pose, found)?;
+        if let Some(Lights::Named(NamedLights::File)) = params.lights {
+            scene.lights = file_lights::in_pose(&posed);
+        }
         Ok(Subject {
             scene,
             posed,

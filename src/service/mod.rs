@@ -7,6 +7,7 @@ mod answer;
 mod batch;
 mod describe;
 mod fault;
+mod file_lights;
 mod frame;
 mod mesh;
 mod mesh_batch;

@@ -41,6 +41,7 @@ impl Call {
                 .map_err(EngineError::from)?,
             skin: (skin && scene.show.shows_skin()).then(|| scene.show.skin.shape()),
             cull: scene.cull,
+            variant: scene.surface.variant,
         };
         let (posed, clamped) = self.posed(&params.pose, &found)?;
         let clamped = describe::clamped(&rig, &clamped);

@@ -352,7 +352,11 @@ fn joint_named(name: &str, rig: &Rig) -> Result<usize, String> {
 }
 
 /// Offers the name that may have been meant, or else a few that there are.
-fn unknown<'a>(noun: &str, name: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
+pub(super) fn unknown<'a>(
+    noun: &str,
+    name: &str,
+    known: impl Iterator<Item = &'a str> + Clone,
+) -> String {
     /// As many as are read at a glance.
     const LISTED: usize = 8;
     if let Some(near) = crate::protocol::nearest(name, known.clone()) {
@@ -376,7 +380,7 @@ fn unknown<'a>(noun: &str, name: &str, known: impl Iterator<Item = &'a str> + Cl
     )
 }
 
-fn no_such(field: impl Into<String>, problem: impl Into<String>) -> EngineError {
+pub(super) fn no_such(field: impl Into<String>, problem: impl Into<String>) -> EngineError {
     EngineError::NoSuchPart {
         field: field.into(),
         problem: problem.into(),

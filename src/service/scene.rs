@@ -1,11 +1,12 @@
 //! From the fields of a frame request to a [`Scene`].
 
-use super::{Call, fault};
+use super::{Call, fault, pose};
 use crate::engine::{EngineError, LoadedRig};
 use crate::pose::Skinning;
 use crate::protocol::Fault;
 use crate::protocol::camera as wire_camera;
 use crate::protocol::frame as wire;
+use crate::rig::Rig;
 use crate::scene::{
     Background, Bounds, Camera, Color, Cull, Falloff, Light, LookAt, Near, Orbit, Pinhole, Samples,
     Scene, SceneError, Show, ShowNormals, ShowSkeleton, ShowSkin, Size, Surface,
@@ -13,7 +14,7 @@ use crate::scene::{
 use glam::{DMat4, DVec3};
 
 impl Call {
-    /// `rig` is what the default camera frames.
+    /// `rig` is what the default camera frames. Lights of its file are left out: they depend on the pose, and [`Call::subject`] adds them.
     pub(super) fn scene(
         &self,
         params: &wire::FrameParams,
@@ -31,7 +32,14 @@ impl Call {
         }
         let lights = match &params.lights {
             None => Light::default_pair(),
-            Some(lights) => {
+            Some(wire_camera::Lights::Named(wire_camera::NamedLights::File)) => {
+                if rig.rig.lights().is_empty() {
+                    let problem = "expected a rig with lights in its file, but found none in it";
+                    return Err(Fault::invalid_params("lights", problem));
+                }
+                Vec::new()
+            }
+            Some(wire_camera::Lights::Given(lights)) => {
                 limits.lights(lights.len())?;
                 let light =
                     |(index, light)| of_light(light).map_err(|error| fault::of_light(index, error));
@@ -42,6 +50,7 @@ impl Call {
                     .collect::<Result<_, _>>()?
             }
         };
+        let variant = of_variant(&params.material, &rig.rig)?;
         let scene = || -> Result<Scene, SceneError> {
             let show = of_show(&params.show)?;
             Ok(Scene {
@@ -57,7 +66,10 @@ impl Call {
                     .map_or(Ok(Scene::DEFAULT_AMBIENT), |ambient| {
                         Color::new(ambient, "ambient")
                     })?,
-                surface: of_material(&params.material)?,
+                surface: Surface {
+                    variant,
+                    ..of_material(&params.material)?
+                },
                 background: params
                     .background
                     .map_or(Ok(Background::default()), Background::new)?,
@@ -187,6 +199,20 @@ pub(super) fn of_skinning(skinning: wire::Skinning) -> Skinning {
     match skinning {
         wire::Skinning::Linear => Skinning::Linear,
         wire::Skinning::DualQuaternion => Skinning::DualQuaternion,
+    }
+}
+
+fn of_variant(material: &wire::Material, rig: &Rig) -> Result<Option<usize>, EngineError> {
+    let Some(name) = &material.variant else {
+        return Ok(None);
+    };
+    match rig.variants().iter().position(|variant| variant == name) {
+        Some(variant) => Ok(Some(variant)),
+        None => {
+            let known = rig.variants().iter().map(String::as_str);
+            let problem = pose::unknown("variant", name, known);
+            Err(pose::no_such("material.variant", problem))
+        }
     }
 }
 

@@ -9,7 +9,8 @@ use super::values::{Unit, decimal};
 use crate::formats::Source;
 use crate::limits::Limits;
 use crate::protocol::rig::{
-    BoundsOf, DofDescription, DofKind, MeshDescription, MorphDescription, RigBounds, RigDescription,
+    BoundsOf, DofDescription, DofKind, LightDescription, LightKind, MeshDescription,
+    MorphDescription, RigBounds, RigDescription,
 };
 use crate::service::describe_files;
 use clap::Args;
@@ -74,6 +75,8 @@ fn text(rig: &RigDescription) -> Result<String, std::fmt::Error> {
     });
     section(&mut text, "meshes", rig.meshes.iter().map(mesh_line))?;
     section(&mut text, "materials", materials)?;
+    section(&mut text, "variants", rig.variants.iter().cloned())?;
+    section(&mut text, "lights", rig.lights.iter().map(light_line))?;
     section(&mut text, "morphs", morph_lines(rig).into_iter())?;
     section(&mut text, "clips", clips)?;
     if !rig.joints.is_empty() {
@@ -115,6 +118,20 @@ fn mesh_line(mesh: &MeshDescription) -> String {
         parts.push("texture coordinates".to_owned());
     }
     format!("{}: {}", mesh.name, parts.join(", "))
+}
+
+fn light_line(light: &LightDescription) -> String {
+    let LightDescription {
+        name, intensity, ..
+    } = light;
+    let (kind, unit) = match light.kind {
+        LightKind::Directional => ("directional", "lx"),
+        LightKind::Point => ("point", "cd"),
+        LightKind::Spot => ("spot", "cd"),
+    };
+    let joint = light.joint.as_ref();
+    let on = joint.map_or(String::new(), |joint| format!(", on {joint}"));
+    format!("{name}: {kind}, {intensity} {unit}{on}")
 }
 
 fn morph_lines(rig: &RigDescription) -> Vec<String> {

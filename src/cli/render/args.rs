@@ -176,6 +176,9 @@ pub(in crate::cli) struct LookArgs {
     /// Exponent of the highlight: the higher, the smaller
     #[arg(long, value_name = "EXPONENT", value_parser = number, allow_hyphen_values = true)]
     pub shininess: Option<f64>,
+    /// Choose other materials of the file by the name of one of its variants
+    #[arg(long, value_name = "NAME")]
+    pub variant: Option<String>,
     /// What stands behind the rig; alpha 0 makes it transparent
     #[arg(long, value_name = "R,G,B[,A]", allow_hyphen_values = true)]
     pub background: Option<Rgba>,
@@ -193,7 +196,7 @@ pub(in crate::cli) struct LightArgs {
 
 /// Not a comment of the option: its brackets would be taken for links.
 const LIGHTS: &str = "A light instead of the default ones; may be given many times: dir:X,Y,Z[:R,G,B][:INTENSITY] travels that way, \
-                      point:X,Y,Z[:R,G,B][:INTENSITY][:inverse_square] stands there, none leaves the ambient light alone";
+                      point:X,Y,Z[:R,G,B][:INTENSITY][:inverse_square] stands there, none leaves the ambient light alone, file takes those of the file";
 
 /// A word of the protocol as a word of the command line.
 macro_rules! words {

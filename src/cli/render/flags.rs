@@ -84,6 +84,7 @@ fn option_of(path: &str, args: &RenderArgs) -> Option<String> {
         "material.diffuse" => "--diffuse",
         "material.specular" => "--specular",
         "material.shininess" => "--shininess",
+        "material.variant" => "--variant",
         "show.skin" => "--skin",
         "show.skin_opacity" => "--skin-opacity",
         "show.skeleton" => "--skeleton",
@@ -91,9 +92,8 @@ fn option_of(path: &str, args: &RenderArgs) -> Option<String> {
         "camera.target" => "--target",
         "camera.fov_y" => "--fov",
         "camera.height" => "--ortho",
-        "camera.kind" | "camera.eye" | "camera.up" | "camera.near" | "camera.distance"
-        | "camera.azimuth" | "camera.inclination" => from,
-        "camera" => from,
+        "camera" | "camera.kind" | "camera.eye" | "camera.up" | "camera.near"
+        | "camera.distance" | "camera.azimuth" | "camera.inclination" => from,
         "pose.clip.time" => "--time",
         "pose.limits" => "--limits",
         "pose" => "the pose of --set, --rotate, --morph and --clip",
@@ -186,6 +186,7 @@ mod tests {
             "--diffuse=1,1,1",
             "--specular=1,1,1",
             "--shininess=1",
+            "--variant=red",
             "--background=1,1,1",
             "--light=dir:0,1,0",
             "--ambient=1,1,1",

@@ -3,7 +3,7 @@
 use super::args::{LightArgs, LookArgs, PoseArgs, RenderArgs};
 use crate::cli::values::{Assignment, LightArg, Rotation};
 use crate::protocol::blob::PictureTransport;
-use crate::protocol::camera::Light;
+use crate::protocol::camera::{Light, Lights, NamedLights};
 use crate::protocol::frame::{FrameParams, Material, Show, ShowNormals};
 use crate::protocol::pose::Pose;
 use anyhow::bail;
@@ -65,26 +65,26 @@ impl LookArgs {
             diffuse: self.diffuse.map(|diffuse| diffuse.0),
             specular: self.specular.map(|specular| specular.0),
             shininess: self.shininess,
+            variant: self.variant.clone(),
         }
     }
 }
 
 impl LightArgs {
     /// `None` for those of the protocol.
-    fn lights(&self) -> anyhow::Result<Option<Vec<Light>>> {
+    fn lights(&self) -> anyhow::Result<Option<Lights>> {
         match self.lights.as_slice() {
             [] => Ok(None),
-            [LightArg::None] => Ok(Some(Vec::new())),
+            [LightArg::None] => Ok(Some(Lights::Given(Vec::new()))),
+            [LightArg::File] => Ok(Some(Lights::Named(NamedLights::File))),
             several => {
                 let light = |light: &LightArg| match light {
                     LightArg::Light(light) => Ok(light.clone()),
                     LightArg::None => bail!("`--light none` goes with no other light"),
+                    LightArg::File => bail!("`--light file` goes with no other light"),
                 };
-                several
-                    .iter()
-                    .map(light)
-                    .collect::<Result<_, _>>()
-                    .map(Some)
+                let lights: Vec<Light> = several.iter().map(light).collect::<Result<_, _>>()?;
+                Ok(Some(Lights::Given(lights)))
             }
         }
     }

@@ -1,5 +1,6 @@
 //! From the bytes of a `.gltf` or `.glb` to its JSON, and to what follows that. Never lives here: what the JSON means.
 
+use super::extensions;
 use super::fault::Faults;
 use crate::formats::error::{FileFault, LoadError, quoted};
 use crate::formats::text::without_bom;
@@ -7,14 +8,6 @@ use crate::limits::Limits;
 use crate::rig::Warnings;
 use gltf_json::Root;
 use serde_json::Value;
-
-/// Extensions that are read where they say something that can be shown.
-const READ: &[&str] = &[
-    "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_unlit",
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
-];
 
 /// A document as it stands in its file: any index in it may lead nowhere.
 #[derive(Debug)]
@@ -59,7 +52,7 @@ pub(super) fn read<'a>(
         }
     };
     check_version(faults, &json)?;
-    check_extensions(faults, &json, warnings)?;
+    extensions::check(faults, &json, warnings)?;
     check_lists(faults, &json, limits)?;
     forgive(&mut json);
     let root: Root = serde_path_to_error::deserialize(&json).map_err(|error| {
@@ -75,7 +68,7 @@ pub(super) fn read<'a>(
 }
 
 /// A sentence of the parser's, on one line and not endless: it may quote the file.
-fn plain(sentence: &str) -> String {
+pub(super) fn plain(sentence: &str) -> String {
     const MOST: usize = 200;
     sentence
         .chars()
@@ -150,30 +143,6 @@ fn check_version(faults: Faults<'_>, json: &Value) -> Result<(), FileFault> {
             Err(faults.at("asset.version", "glTF version 2", found))
         }
     }
-}
-
-fn check_extensions(
-    faults: Faults<'_>,
-    json: &Value,
-    warnings: &mut Warnings,
-) -> Result<(), FileFault> {
-    let names = |list: &str| {
-        let names = json[list].as_array().into_iter().flatten();
-        let names: Vec<String> = names
-            .filter_map(|name| Some(name.as_str()?.to_owned()))
-            .collect();
-        names
-    };
-    let is_read = |name: &String| READ.contains(&name.as_str());
-    let required = names("extensionsRequired");
-    if let Some(name) = required.iter().find(|name| !is_read(name)) {
-        let expected = format!("extensions that are supported ({})", READ.join(", "));
-        return Err(faults.at("extensionsRequired", expected, quoted(name)));
-    }
-    for name in names("extensionsUsed").iter().filter(|name| !is_read(name)) {
-        warnings.push(|| faults.warning(&format!("the extension {} is passed over", quoted(name))));
-    }
-    Ok(())
 }
 
 /// What the specification allows and the library does not: scenes of nothing, and channels that move nothing.

@@ -7,23 +7,31 @@
 //! - `specular = min(F · shininess / 8, 1)`, where `F = mix(0.04, c, m)` is what is mirrored straight on, and the factor keeps what a lobe scatters
 //!   in all about the same however narrow it is; a surface rough throughout has none, for its lobe would be another diffuse light.
 //!
+//! What is given off is the emissive factor times its texture times the emissive strength, held to 1e9 before the texture and to 1 after shading.
+//!
 //! Of one with specular and glossiness: `diffuse` is its own, `F` its specular color, and `r = 1 − glossiness`.
 
 use super::accessors::Accessors;
+use super::extensions::EMISSIVE_STRENGTH;
 use super::textures::{Named, Textures};
 use crate::formats::error::LoadError;
 use crate::formats::files::{Files, Gathered};
 use crate::formats::pictures::Alpha;
 use crate::limits::Limits;
-use crate::rig::{Draft, Encoding, Highlight, Material, NormalMap, Opacity, TexturePlace};
+use crate::rig::{
+    Draft, Encoding, Highlight, Material, NormalMap, Opacity, TexturePlace, Warnings,
+};
 use glam::{Vec3, Vec4};
 use gltf_json::Index;
 use gltf_json::material::AlphaMode;
+use serde_json::Value;
 
 /// `F` of what is no metal.
 const DIELECTRIC: f32 = 0.04;
 const LEAST_ROUGHNESS: f32 = 0.05;
 const MOST_SHININESS: f32 = 1000.0;
+/// Far more than is needed to be white, and small enough to be multiplied.
+const MOST_EMISSIVE: f32 = 1e9;
 
 /// Where materials are read from.
 pub(super) struct Materials<'a> {
@@ -206,6 +214,8 @@ impl<'a> Materials<'a> {
         {
             return Err(faults.load(path, "factors that are finite", "others"));
         }
+        let strength = self.emissive_strength(material, path, &mut draft.warnings);
+        made.emissive = (made.emissive * strength).min(Vec3::splat(MOST_EMISSIVE));
         if made.is_unlit && glossy.is_none() {
             // Nothing is mirrored, so nothing has to stand in for it.
             made.color = Some(Vec4::from_array(rough.base_color_factor.0));
@@ -213,6 +223,33 @@ impl<'a> Materials<'a> {
         draft.materials.push(made);
         self.sets.push(set);
         Ok(())
+    }
+
+    /// What multiplies the emissive factor.
+    fn emissive_strength(
+        &self,
+        material: &gltf_json::Material,
+        path: &str,
+        warnings: &mut Warnings,
+    ) -> f32 {
+        let extensions = material.extensions.as_ref();
+        let Some(extension) = extensions.and_then(|it| it.others.get(EMISSIVE_STRENGTH)) else {
+            return 1.0;
+        };
+        let strength = extension
+            .get("emissiveStrength")
+            .map_or(Some(1.0), Value::as_f64);
+        match strength.filter(|strength| *strength >= 0.0) {
+            // More would be infinite where the factor is a small number.
+            Some(strength) => strength.min(f64::from(MOST_EMISSIVE)) as f32,
+            None => {
+                let faults = self.textures.accessors.faults;
+                let path = format!("{path}.extensions.{EMISSIVE_STRENGTH}");
+                let sentence = format!("{path}.emissiveStrength is no number from 0 and left out");
+                warnings.push(|| faults.warning(&sentence));
+                1.0
+            }
+        }
     }
 
     /// Of metalness and roughness, the means over their texture.

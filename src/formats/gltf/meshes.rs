@@ -6,9 +6,10 @@ use super::influences::{self, Bound};
 use super::materials::Materials;
 use super::nodes::Nodes;
 use super::skins::Skins;
+use super::variants::Variants;
 use crate::formats::error::LoadError;
 use crate::limits::Limits;
-use crate::rig::{Draft, MeshDraft, MorphDraft, MorphForm, PartDraft};
+use crate::rig::{Draft, MeshDraft, MorphDraft, MorphForm, PartDraft, PartInVariant};
 use glam::{Vec2, Vec3, Vec4};
 use gltf_json::accessor::Accessor;
 use gltf_json::mesh::{Mode, Primitive, Semantic};
@@ -23,6 +24,7 @@ pub(super) struct MeshReader<'a, 'm> {
     pub limits: &'a Limits,
     pub skins: Skins<'a>,
     pub materials: &'m mut Materials<'a>,
+    pub variants: &'m Variants<'a>,
     pub draft: &'m mut Draft,
     /// Of all meshes so far.
     pub totals: Totals,
@@ -162,7 +164,8 @@ impl MeshReader<'_, '_> {
         mesh.positions
             .extend(positions.into_iter().map(Vec3::from_array));
         let material = self.materials.index(primitive.material, path, self.draft)?;
-        self.add_attributes(mesh, primitive, &read, material)?;
+        let textured = self.add_variants(mesh, primitive, path, material);
+        self.add_attributes(mesh, primitive, &read, textured)?;
 
         let before = self.totals.influences;
         let hold = |more: usize| Ok(self.limits.influences(before.saturating_add(more))?);
@@ -177,6 +180,41 @@ impl MeshReader<'_, '_> {
             is_flat: attribute(primitive, Semantic::Normals).is_none(),
         });
         Ok(())
+    }
+
+    /// What the next part of a mesh is made of in variants. Of all its materials, the file's own first, the first that has textures says on which
+    /// texture coordinates all lie; that one is given back.
+    fn add_variants(
+        &mut self,
+        mesh: &mut MeshDraft,
+        primitive: &Primitive,
+        path: &str,
+        material: usize,
+    ) -> usize {
+        let Accessors { faults, root, .. } = self.accessors;
+        let warnings = &mut self.draft.warnings;
+        let chosen = self.variants.of_primitive(primitive, path, root, warnings);
+        let materials = &*self.materials;
+        let all = chosen.iter().map(|(_, material)| *material);
+        let mut all = std::iter::once(material).chain(all);
+        let textured = all.find(|&material| materials.is_textured(material));
+        let textured = textured.unwrap_or(material);
+        for (variant, material) in chosen {
+            let [set, wanted] = [textured, material].map(|it| materials.texcoord_set(it));
+            if materials.is_textured(material) && set != wanted {
+                let sentence = format!(
+                    "{path} keeps its own material in variant {variant}: materials[{material}] lies on TEXCOORD_{wanted}, and another on TEXCOORD_{set}"
+                );
+                warnings.push(|| faults.warning(&sentence));
+                continue;
+            }
+            mesh.in_variants.push(PartInVariant {
+                part: mesh.parts.len(),
+                variant,
+                material,
+            });
+        }
+        textured
     }
 
     /// Normals, texture coordinates and colors of the vertices that a mesh was just given. What some primitives of it have, all get.

@@ -1,19 +1,22 @@
 //! glTF 2.0, as text or binary: the scene graph becomes the skeleton, every mesh of a node a mesh, every animation a clip. What a document
 //! refers to is looked up among the files of the request or below the document's own folder, never anywhere else.
-//! Never lives here: cameras and lights, which a frame request brings.
+//! Never lives here: cameras, which a frame request brings.
 
 mod accessors;
 mod animations;
 mod attributes;
 mod buffers;
 mod container;
+mod extensions;
 mod fault;
 mod influences;
+mod lights;
 mod materials;
 mod meshes;
 mod nodes;
 mod skins;
 mod textures;
+mod variants;
 
 use super::error::LoadError;
 use super::files::{Files, Gathered};
@@ -29,6 +32,7 @@ use nodes::Nodes;
 use skins::Skins;
 use std::cell::Cell;
 use std::collections::HashMap;
+use variants::Variants;
 
 /// # Errors
 /// [`LoadError::Invalid`] names the member at fault by its path, [`LoadError::Limit`] the ceiling that the document exceeds.
@@ -61,6 +65,8 @@ pub(super) fn read(
         warnings,
         ..Draft::default()
     };
+    draft.lights = lights::read(faults, root, &nodes, limits, &mut draft.warnings);
+    let variants = Variants::read(faults, root, &mut draft);
     let mut materials = Materials::read(accessors, file, files, limits, &mut draft)?;
     let mut meshes = MeshReader {
         accessors,
@@ -68,6 +74,7 @@ pub(super) fn read(
         limits,
         skins: Skins::new(accessors),
         materials: &mut materials,
+        variants: &variants,
         draft: &mut draft,
         totals: Totals::default(),
         target_names: HashMap::new(),

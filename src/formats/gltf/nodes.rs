@@ -1,11 +1,15 @@
 //! The scene graph as a skeleton: every node that matters becomes a joint. Never lives here: what hangs on the nodes.
 
 use super::fault::Faults;
+use super::lights;
 use crate::formats::error::LoadError;
 use crate::limits::Limits;
 use crate::rig::{JointDraft, Rotation, Warnings};
-use glam::{DMat3, DMat4, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+use gltf_json::animation::Property;
+use gltf_json::validation::Checked;
 use gltf_json::{Index, Node, Root};
+use std::collections::BTreeMap;
 
 /// Nodes as joints, parents before their children: depth first, roots and children in the order of the file.
 #[derive(Debug)]
@@ -17,6 +21,17 @@ pub(super) struct Nodes {
     pub joint_of: Vec<Option<usize>>,
     /// By node, whether it belongs to the scene that is drawn.
     pub is_in_scene: Vec<bool>,
+    /// Of nodes that are no joints but carry a light, or have one below them.
+    places: BTreeMap<usize, Place>,
+}
+
+/// Where a node stands.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    /// `None` of what stands still.
+    pub joint: Option<usize>,
+    /// Without a joint it leads to the world.
+    pub joint_from_node: DAffine3,
 }
 
 impl Nodes {
@@ -35,14 +50,22 @@ impl Nodes {
         let roots = scene_roots(faults, root, &parents)?;
         let order = depth_first(faults, root, &parents, &roots)?;
         let is_in_scene = in_scene(&parents, &order, &roots);
-        let matters = mattering(faults, root, &parents, &order, &is_in_scene)?;
+        let is_lit = leading_to_lights(root, &parents, &order, &is_in_scene);
+        let matters = mattering(faults, root, (&parents, &order), &is_in_scene, &is_lit)?;
         let mut nodes = Self {
             joints: Vec::new(),
             node_of: Vec::new(),
             joint_of: vec![None; root.nodes.len()],
             is_in_scene,
+            places: BTreeMap::new(),
         };
-        for node in order.into_iter().filter(|&node| matters[node]) {
+        for node in order {
+            if !matters[node] {
+                if is_lit[node] {
+                    nodes.place_light(faults, root, node, parents[node], warnings);
+                }
+                continue;
+            }
             let parent = parents[node].and_then(|parent| nodes.joint_of[parent]);
             let joint = joint(faults, node, &root.nodes[node], parent, warnings)?;
             nodes.joint_of[node] = Some(nodes.joints.len());
@@ -50,6 +73,46 @@ impl Nodes {
             nodes.node_of.push(node);
         }
         Ok(nodes)
+    }
+
+    /// Of a node that is a joint or leads to a light; `None` where numbers of it or above it are not finite.
+    pub fn place(&self, node: usize) -> Option<Place> {
+        let joint = self.joint_of[node].map(|joint| Place {
+            joint: Some(joint),
+            joint_from_node: DAffine3::IDENTITY,
+        });
+        joint.or_else(|| self.places.get(&node).copied())
+    }
+
+    /// Nobody needs a node whose light cannot be placed, so that is no fault.
+    fn place_light(
+        &mut self,
+        faults: Faults<'_>,
+        root: &Root,
+        node: usize,
+        parent: Option<usize>,
+        warnings: &mut Warnings,
+    ) {
+        let above = match parent {
+            None => Some(Place {
+                joint: None,
+                joint_from_node: DAffine3::IDENTITY,
+            }),
+            Some(parent) => self.place(parent),
+        };
+        let own = joint(faults, node, &root.nodes[node], None, warnings).ok();
+        if let (Some(above), Some(own)) = (above, own) {
+            let parent_from_node = DAffine3::from_scale_rotation_translation(
+                own.rest_scale,
+                own.rest_rotation.quaternion(own.rotation_order),
+                own.offset,
+            );
+            let place = Place {
+                joint: above.joint,
+                joint_from_node: above.joint_from_node * parent_from_node,
+            };
+            self.places.insert(node, place);
+        }
     }
 }
 
@@ -151,9 +214,9 @@ fn in_scene(parents: &[Option<usize>], order: &[usize], scene_roots: &[usize]) -
 fn mattering(
     faults: Faults<'_>,
     root: &Root,
-    parents: &[Option<usize>],
-    order: &[usize],
+    (parents, order): (&[Option<usize>], &[usize]),
     is_in_scene: &[bool],
+    is_lit: &[bool],
 ) -> Result<Vec<bool>, LoadError> {
     let mut matters: Vec<bool> = root
         .nodes
@@ -162,6 +225,14 @@ fn mattering(
         .collect();
     for (matters, is_in_scene) in matters.iter_mut().zip(is_in_scene) {
         *matters &= is_in_scene;
+    }
+    // A light that an animation moves needs something to be moved by.
+    for channel in root.animations.iter().flat_map(|it| &it.channels) {
+        let node = channel.target.node.value();
+        let is_weights = channel.target.path == Checked::Valid(Property::MorphTargetWeights);
+        if !is_weights && is_lit.get(node) == Some(&true) {
+            matters[node] = true;
+        }
     }
     let mut is_known = vec![false; root.skins.len()];
     for (index, node) in root
@@ -191,10 +262,25 @@ fn mattering(
     Ok(matters)
 }
 
+/// By node, whether it carries a light of the scene or is above one.
+fn leading_to_lights(
+    root: &Root,
+    parents: &[Option<usize>],
+    order: &[usize],
+    is_in_scene: &[bool],
+) -> Vec<bool> {
+    let mut leads = vec![false; root.nodes.len()];
+    for &node in order.iter().rev() {
+        leads[node] |= is_in_scene[node] && lights::is_carried_by(&root.nodes[node]);
+        if let Some(parent) = parents[node].filter(|_| leads[node]) {
+            leads[parent] = true;
+        }
+    }
+    leads
+}
+
 fn only_looks_or_lights(node: &Node) -> bool {
-    let extensions = node.extensions.as_ref();
-    let lights = extensions.is_some_and(|it| it.others.contains_key("KHR_lights_punctual"));
-    (node.camera.is_some() || lights) && node.mesh.is_none()
+    (node.camera.is_some() || lights::is_carried_by(node)) && node.mesh.is_none()
 }
 
 fn joint(

@@ -16,6 +16,9 @@ use serde_json::Value;
 use std::collections::HashMap;
 use std::sync::Arc;
 
+/// What the library has where a texture names no image.
+const NO_IMAGE: usize = u32::MAX as usize;
+
 type Decoding = (Encoding, Alpha);
 type Decoded<'a> = (Bytes<'a>, Result<Arc<Texture>, String>);
 
@@ -88,6 +91,12 @@ impl<'a> Textures<'a> {
         warnings: &mut Warnings,
     ) -> Result<Option<Arc<Texture>>, LoadError> {
         let index = image.value();
+        if index == NO_IMAGE {
+            let sentence = format!("{path} is left out: it has no picture but in extensions");
+            let faults = self.accessors.faults;
+            warnings.push(|| faults.warning(&sentence));
+            return Ok(None);
+        }
         if let Some(texture) = self.of_images.get(&(index, decoding)) {
             return Ok(texture.clone());
         }

@@ -125,6 +125,10 @@ fn what_the_parser_takes_and_refuses_so_does_the_schema() {
                     json!({"rig": "a", "lights": [{"kind": "point", "position": [0, 0, 0]}]}),
                 ),
                 (true, json!({"rig": "a", "lights": null, "samples": 1})),
+                (true, json!({"rig": "a", "lights": "file"})),
+                (true, json!({"rig": "a", "lights": []})),
+                (false, json!({"rig": "a", "lights": "files"})),
+                (false, json!({"rig": "a", "lights": {}})),
                 (false, json!({})),
                 (false, json!({"rig": "a", "rigg": 1})),
                 (false, json!({"rig": "a", "camera": null})),
@@ -356,6 +360,8 @@ fn other_results_fit_their_schemas_and_wrong_ones_do_not() {
         "dofs": [{"name": "root.rx", "kind": "rotation", "joint": "root", "min": null, "max": 1.0, "rest": 0.0, "value": 0.0}],
         "meshes": [{"name": "skin", "vertex_count": 0, "triangle_count": 0, "material": "fur", "parts": [{"triangle_count": 0, "material": "fur"}], "has_texcoords": true}],
         "materials": [{"name": "fur", "texture": null, "color": [1.0, 0.5, 0.25, 1.0], "opacity": "blend", "single_sided": false, "unlit": false}],
+        "variants": ["winter"],
+        "lights": [{"name": "lamp", "kind": "spot", "joint": null, "joint_from_light": ([1.0; 16]), "color": [1.0, 1.0, 1.0], "intensity": 1.0, "cone": [0.0, 0.5]}],
         "morphs": [], "clips": [],
         "bounds": {"of": "vertices", "min": [0.0, 0.0, 0.0], "max": [1.0, 1.0, 1.0]},
         "joint_bounds": null,
@@ -373,6 +379,8 @@ fn other_results_fit_their_schemas_and_wrong_ones_do_not() {
             "/bounds",
             "/bounds/of",
             "/clips",
+            "/variants",
+            "/lights/0/joint",
         ],
     );
     let pose = json!({

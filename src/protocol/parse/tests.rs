@@ -1,7 +1,7 @@
 //! The table of bad parameters, and good ones.
 
 use super::*;
-use crate::protocol::camera::{Camera, Light, Orbit};
+use crate::protocol::camera::{Camera, Light, Lights, NamedLights, Orbit};
 use crate::protocol::frame::{FrameParams, Samples, Show};
 use crate::protocol::mesh::{Attribute, VerticesParams};
 use crate::protocol::pose::{DofValues, Pose, PoseSetParams};
@@ -121,9 +121,14 @@ fn a_fault_in_a_frame_request_has_its_path_and_says_what_was_expected() {
             "unknown field `colour`; did you mean `color`?",
         ),
         (
+            r#"{"rig":"a","lights":"fil"}"#,
+            "lights",
+            "expected a list of lights or `file`, but found string \"fil\"",
+        ),
+        (
             r#"{"rig":"a","lights":{}}"#,
             "lights",
-            "expected a list, but found an object",
+            "expected a list of lights or `file`, but found an object",
         ),
         (
             r#"{"rig":"a","size":[512,512,512]}"#,
@@ -484,14 +489,21 @@ fn what_a_client_writes_is_read_back_the_same() {
         "lights":[{"kind":"point","position":[1,2,3],"falloff":"inverse_square"},{"kind":"directional","direction":[0,-1,0],"intensity":2}],
         "pose":{"base":"rest","dofs":{"x.rx":0.5},"limits":"reject"},"samples":1,"material":{"shininess":3},"background":[0,0,0,0]}"#;
     let frame: FrameParams = parsed(text).unwrap();
+    let Some(Lights::Given(lights)) = &frame.lights else {
+        panic!("a list: {:?}", frame.lights);
+    };
     assert!(matches!(
-        &frame.lights.as_deref(),
-        Some([Light::Point(_), Light::Directional(_)])
+        lights.as_slice(),
+        [Light::Point(_), Light::Directional(_)]
     ));
     let again = parsed(&json!(frame).to_string()).unwrap();
     assert_eq!(frame, again);
     let look =
         r#"{"rig":"a","camera":{"kind":"look_at","eye":[0,0,1],"target":[0,0,0],"height":2}}"#;
     let frame: FrameParams = parsed(look).unwrap();
+    assert_eq!(frame, parsed(&json!(frame).to_string()).unwrap());
+    let of_file = r#"{"rig":"a","lights":"file","material":{"variant":"matte"}}"#;
+    let frame: FrameParams = parsed(of_file).unwrap();
+    assert_eq!(frame.lights, Some(Lights::Named(NamedLights::File)));
     assert_eq!(frame, parsed(&json!(frame).to_string()).unwrap());
 }

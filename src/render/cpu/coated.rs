@@ -38,7 +38,7 @@ pub(super) struct CoatedTriangle {
 impl<'a> Coated<'a> {
     /// `None` of a part that has no coat.
     pub fn of(rig: &'a Rig, mesh: &'a Mesh, part: &Part, surface: &Surface) -> Option<Self> {
-        let material = part.material.map(|material| &rig.materials()[material]);
+        let material = rig.material_of(part, surface.variant);
         Some(Self {
             coat: Coat::of(mesh, part, material, surface)?,
             material,

@@ -86,10 +86,10 @@ pub(super) struct Place<'a> {
 
 impl<'a> Paint<'a> {
     /// Of a part of a mesh of `rig` that has no coat.
-    pub fn of(rig: &'a Rig, mesh: &'a Mesh, part: &Part) -> Self {
-        let texture = part
-            .material
-            .and_then(|material| rig.materials()[material].texture.as_ref())
+    pub fn of(rig: &'a Rig, mesh: &'a Mesh, part: &Part, variant: Option<usize>) -> Self {
+        let texture = rig
+            .material_of(part, variant)
+            .and_then(|material| material.texture.as_ref())
             .map(|place| &*place.texture);
         match (texture, mesh.texcoords()) {
             (Some(texture), Some(texcoords)) => Self::Textured(texture, texcoords),

@@ -221,7 +221,7 @@ impl<'a> Lists<'a> {
         for index in 0..self.meshes.len() {
             let SkinMesh { rig, mesh, .. } = self.meshes[index];
             for part in mesh.parts() {
-                let material = part.material.map(|material| &rig.materials()[material]);
+                let material = rig.material_of(part, subject.picture.scene.surface.variant);
                 let blends = material.is_some_and(|it| it.opacity == Opacity::Blend);
                 if is_translucent || !blends {
                     self.add_part(subject, index, part, layer);
@@ -279,7 +279,7 @@ impl<'a> Lists<'a> {
         let coated = Coated::of(rig, mesh, part, &picture.scene.surface);
         let paint = match coated {
             Some(_) => Paint::Coated(self.coated.len() as u32),
-            None => Paint::of(rig, mesh, part),
+            None => Paint::of(rig, mesh, part, picture.scene.surface.variant),
         };
         self.coated.extend(coated);
         for piece in culling.pieces(part) {

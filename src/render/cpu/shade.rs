@@ -340,6 +340,13 @@ fn blinn_phong<S: Simd, F: Finished<S>>(
         } else {
             Lanes::splat(simd, 1.0)
         };
+        let [cx, cy, cz, offset] = light.cone.to_array();
+        let strength = if [cx, cy, cz] == [0.0; 3] {
+            strength
+        } else {
+            let inside = held(l.dot(Vectors::splat(simd, [cx, cy, cz])) + offset);
+            strength * (inside * inside)
+        };
         let strength = is_lit.select(strength, zero);
         let scattered = n_dot_l * strength;
         color.x += diffuse.x * scattered * lr;

@@ -4,6 +4,7 @@ use super::coats::Coats;
 use super::pipelines::{Given, Kind, Variant};
 use super::shade::Drawing;
 use super::skin::SkinnedRig;
+use super::upload::Dressing;
 use super::wear::{Stretch, Wear};
 use crate::render::cull::{self, Culling};
 use crate::render::order::PartPlace;
@@ -33,6 +34,7 @@ struct Dressed<'a> {
     picture: &'a Picture,
     instance: &'a Instance,
     place: &'a SkinnedRig<'a>,
+    dressing: &'a Dressing,
     given: Given,
     /// By mesh.
     cullings: Vec<Culling>,
@@ -51,7 +53,7 @@ impl<'a> Draws<'a> {
         let dressed: Vec<Option<Dressed<'a>>> = dressed.collect();
         let mut draws = Self::default();
         for dressed in dressed.iter().flatten() {
-            for (stretch, indices) in &dressed.place.rig.stretches {
+            for (stretch, indices) in &dressed.dressing.stretches {
                 if picture.is_translucent() {
                     // Only the nearest of it is seen, whatever it is made of.
                     add(&mut draws.layer, dressed.draw(stretch, indices));
@@ -65,7 +67,7 @@ impl<'a> Draws<'a> {
             let Some(dressed) = &dressed[part.instance] else {
                 continue;
             };
-            for (stretch, indices) in dressed.place.rig.blending(part.mesh, part.part) {
+            for (stretch, indices) in dressed.dressing.blending(part.mesh, part.part) {
                 add(&mut draws.base, dressed.draw(stretch, indices));
             }
         }
@@ -99,21 +101,28 @@ impl<'a> Dressed<'a> {
             let reach = cull::reach(instance, mesh);
             Culling::of(instance, mesh, &picture.scene, reach)
         });
-        let of_wears = place.rig.wears.iter();
-        let of_wears = of_wears.map(|wear| {
-            let coat = wear.coat(rig, &picture.scene.surface)?;
-            Some(coats.add(&coat))
-        });
+        let surface = &picture.scene.surface;
+        let dressing = place.rig.dressing(surface.variant);
+        // What other variants wear needs no coat.
+        let mut of_wears = vec![None; place.rig.wears.len()];
+        for (stretch, _) in &dressing.stretches {
+            let of_wear = &mut of_wears[stretch.wear];
+            if of_wear.is_none() {
+                let coat = place.rig.wears[stretch.wear].coat(rig, surface);
+                *of_wear = coat.map(|coat| coats.add(&coat));
+            }
+        }
         Self {
             picture,
             instance,
             place,
+            dressing,
             given: Given {
                 texcoords: place.rig.texcoords.is_some(),
                 colors: place.rig.colors.is_some(),
             },
             cullings: cullings.collect(),
-            coats: of_wears.collect(),
+            coats: of_wears,
         }
     }
 

@@ -68,7 +68,7 @@ mod tests {
             least_distance_squared = "least_distance_squared", textured_diffuse = "textured_diffuse", lights = "lights",
         });
         assert_mirrors!(shaders::SHADE, "Light", ShaderLight {
-            toward_or_position = "toward_or_position", radiance = "radiance",
+            toward_or_position = "toward_or_position", radiance = "radiance", cone = "cone",
         });
         assert_mirrors!(shaders::COAT, "Coat", Coat {
             color = "color", specular = "specular", shininess = "shininess", emissive = "emissive", least_alpha = "least_alpha",

@@ -27,12 +27,18 @@ pub(super) struct GpuRig {
     /// White for a mesh that has none; `None` where no mesh has any.
     pub colors: Option<Buffer>,
     pub wears: Vec<Wear>,
+    /// Of the file's own materials first, then those of each variant.
+    dressings: Vec<Dressing>,
+    rig: Weak<Rig>,
+    bytes: u64,
+}
+
+/// All triangles of a rig as they are drawn in one of its variants.
+pub(super) struct Dressing {
     /// In the order in which they are drawn, with their indices.
     pub stretches: Vec<(Stretch, Range<u32>)>,
     /// Which of the stretches are those of each part that blends, by mesh and part: their order is another from picture to picture.
     blending: HashMap<(usize, usize), Range<usize>>,
-    rig: Weak<Rig>,
-    bytes: u64,
 }
 
 /// How what is uploaded will be bound.
@@ -103,11 +109,11 @@ impl GpuRig {
             entries: &entries,
         });
 
-        let blending = blending(&wardrobe.stretches);
-        let (stretches, indices) = indices(meshes, &vertices, &wardrobe.stretches);
+        let is_textured = wardrobe.is_textured();
+        let (dressings, indices) = dressings(meshes, &vertices, wardrobe.stretches);
         let indices = filled(device, "upload.indices", BufferUsages::INDEX, &indices);
         let has_texcoords = meshes.iter().any(|mesh| mesh.texcoords().is_some());
-        let texcoords = (has_texcoords && wardrobe.is_textured()).then(|| {
+        let texcoords = (has_texcoords && is_textured).then(|| {
             let texcoords = of_vertices(meshes, Mesh::texcoords, Vec2::ZERO);
             filled(device, "upload.texcoords", BufferUsages::VERTEX, &texcoords)
         });
@@ -128,13 +134,20 @@ impl GpuRig {
             texcoords,
             colors,
             wears: wardrobe.wears,
-            stretches,
-            blending,
+            dressings,
             rig: Arc::downgrade(rig),
             bytes,
         }
     }
 
+    /// As the rig looks in a variant; `None` is the file's own choice.
+    pub fn dressing(&self, variant: Option<usize>) -> &Dressing {
+        let in_variant = variant.and_then(|variant| self.dressings.get(1 + variant));
+        in_variant.unwrap_or(&self.dressings[0])
+    }
+}
+
+impl Dressing {
     /// Those of a part that blends, in the order of its draw triangles.
     pub fn blending(&self, mesh: usize, part: usize) -> &[(Stretch, Range<u32>)] {
         let stretches = self.blending.get(&(mesh, part));
@@ -214,20 +227,33 @@ fn of_vertices<'a, T: Copy + 'a>(
     joined
 }
 
-/// Each stretch with where its indices stand, and all of them.
-fn indices(
+/// All stretches with where their indices stand, and all indices: in the order of the first of them, which others share.
+fn dressings(
     meshes: &[Mesh],
     vertices: &[Range<u32>],
-    stretches: &[Stretch],
-) -> (Vec<(Stretch, Range<u32>)>, Vec<u32>) {
+    stretches: Vec<Vec<Stretch>>,
+) -> (Vec<Dressing>, Vec<u32>) {
     let mut indices = Vec::new();
-    let placed = stretches.iter().map(|stretch| {
-        let start = indices.len() as u32;
-        let triangles = &meshes[stretch.mesh].draw_triangles()[stretch.triangles.clone()];
-        let first = vertices[stretch.mesh].start;
-        indices.extend(triangles.as_flattened().iter().map(|corner| first + corner));
-        (stretch.clone(), start..indices.len() as u32)
+    let mut places = HashMap::new();
+    let dressings = stretches.into_iter().map(|stretches| {
+        let blending = blending(&stretches);
+        let placed = stretches.into_iter().map(|stretch| {
+            let triangles = stretch.triangles.clone();
+            let place = places.entry((stretch.mesh, triangles.start));
+            let place = place.or_insert_with(|| {
+                let start = indices.len() as u32;
+                let triangles = &meshes[stretch.mesh].draw_triangles()[triangles];
+                let first = vertices[stretch.mesh].start;
+                indices.extend(triangles.as_flattened().iter().map(|corner| first + corner));
+                start..indices.len() as u32
+            });
+            (stretch, place.clone())
+        });
+        Dressing {
+            stretches: placed.collect(),
+            blending,
+        }
     });
-    let placed = placed.collect();
-    (placed, indices)
+    let dressings = dressings.collect();
+    (dressings, indices)
 }

@@ -3,7 +3,7 @@
 use super::device::Device;
 use super::textures::{TextureBinding, TextureUploads};
 use crate::render::coat::Coat;
-use crate::rig::{Material, Mesh, Opacity, Part, Rig, Sides, Texture, TexturePlace, Wrap};
+use crate::rig::{Material, Opacity, Rig, Texture, TexturePlace, Wrap};
 use crate::scene::Surface;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -18,10 +18,17 @@ pub(super) enum Wear {
     Textured(BindGroup),
     Coated {
         textures: BindGroup,
-        /// A part that wears it.
-        mesh: usize,
-        part: usize,
+        /// A part that wears it, and the material that it wears then.
+        worn: Worn,
     },
+}
+
+/// A part of a mesh in one of the materials that variants give it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Worn {
+    mesh: usize,
+    part: usize,
+    material: Option<usize>,
 }
 
 /// Draw triangles of one part of a mesh that stand in a row in the index buffer and are culled alike.
@@ -33,7 +40,7 @@ pub(super) struct Stretch {
     pub part: usize,
     /// Among the mesh's draw triangles.
     pub triangles: Range<usize>,
-    /// Whether its material does.
+    /// Whether its material does in this variant.
     pub blends: bool,
 }
 
@@ -45,7 +52,8 @@ pub(super) struct Stretch {
 /// the same, one of whose triangles are wound the other way. Within a part the order is that of its draw triangles.
 pub(super) struct Wardrobe {
     pub wears: Vec<Wear>,
-    pub stretches: Vec<Stretch>,
+    /// Of the file's own materials first, then those of each variant. All have the same stretches of triangles, in orders of their own.
+    pub stretches: Vec<Vec<Stretch>>,
 }
 
 /// What tells one wear from another.
@@ -68,26 +76,30 @@ impl Wardrobe {
         uploads: &mut TextureUploads,
         rig: &Rig,
     ) -> Self {
-        let (names, stretches) = stretches(rig);
-        let wear = |&(name, mesh, part): &(Name, usize, usize)| {
-            let worn = material(rig, &rig.meshes()[mesh].parts()[part]);
+        let mut names = Names::default();
+        let variants = (0..rig.variants().len()).map(Some);
+        let variants = std::iter::once(None).chain(variants);
+        let stretches = variants
+            .map(|variant| names.stretches(rig, variant))
+            .collect();
+        let wear = |&(name, worn): &(Name, Worn)| {
+            let material = worn.material(rig);
             match name {
                 Name::Plain => Wear::Plain,
-                Name::Textured(_) => match texture(worn) {
+                Name::Textured(_) => match texture(material) {
                     Some(texture) => {
                         Wear::Textured(binding.bind(device, &uploads.upload(device, texture)))
                     }
                     None => Wear::Plain,
                 },
                 Name::Coated { .. } => Wear::Coated {
-                    textures: binding.bind_coat(device, uploads, worn),
-                    mesh,
-                    part,
+                    textures: binding.bind_coat(device, uploads, material),
+                    worn,
                 },
             }
         };
         Self {
-            wears: names.iter().map(wear).collect(),
+            wears: names.met.iter().map(wear).collect(),
             stretches,
         }
     }
@@ -104,90 +116,100 @@ impl Wear {
     pub fn coat(&self, rig: &Rig, surface: &Surface) -> Option<Coat> {
         match *self {
             Self::Plain | Self::Textured(_) => None,
-            Self::Coated { mesh, part, .. } => {
-                let mesh = &rig.meshes()[mesh];
-                let part = &mesh.parts()[part];
-                Coat::of(mesh, part, material(rig, part), surface)
-            }
+            Self::Coated { worn, .. } => worn.coat(rig, surface),
         }
     }
 }
 
-/// What is worn, each with a part that wears it, and who wears it.
-fn stretches(rig: &Rig) -> (Vec<(Name, usize, usize)>, Vec<Stretch>) {
-    let mut places = HashMap::new();
-    let mut names = Vec::new();
-    let mut found = Vec::new();
-    for (index, mesh) in rig.meshes().iter().enumerate() {
-        for (part_index, part) in mesh.parts().iter().enumerate() {
-            let name = name(rig, mesh, part);
-            let wear = *places.entry(name).or_insert_with(|| {
-                names.push((name, index, part_index));
-                names.len() - 1
-            });
-            let blends = material(rig, part).is_some_and(|it| it.opacity == Opacity::Blend);
-            for (half, triangles) in halves(part).into_iter().enumerate() {
-                let stretch = Stretch {
-                    wear,
+impl Worn {
+    fn material(self, rig: &Rig) -> Option<&Material> {
+        self.material.map(|material| &rig.materials()[material])
+    }
+
+    fn coat(self, rig: &Rig, surface: &Surface) -> Option<Coat> {
+        let mesh = &rig.meshes()[self.mesh];
+        Coat::of(mesh, &mesh.parts()[self.part], self.material(rig), surface)
+    }
+
+    fn name(self, rig: &Rig) -> Name {
+        let material = self.material(rig);
+        // Whether there is a coat does not depend on the picture's surface.
+        if let Some(coat) = self.coat(rig, &Surface::default()) {
+            let worn = |place: Option<&TexturePlace>| {
+                place.map(|place| (Arc::as_ptr(&place.texture), place.wrap))
+            };
+            let normal_map = material.and_then(|it| it.normal_map.as_ref());
+            return Name::Coated {
+                coat: bytemuck::cast(coat),
+                textures: [
+                    worn(material.and_then(|it| it.texture.as_ref())),
+                    worn(material.and_then(|it| it.emissive_texture.as_ref())),
+                    worn(normal_map.map(|map| &map.place)),
+                ],
+            };
+        }
+        match (texture(material), rig.meshes()[self.mesh].texcoords()) {
+            (Some(texture), Some(_)) => Name::Textured(Arc::as_ptr(texture)),
+            _ => Name::Plain,
+        }
+    }
+}
+
+/// What is worn, each with a part that wears it, in the order in which it was met.
+#[derive(Debug, Default)]
+struct Names {
+    met: Vec<(Name, Worn)>,
+    places: HashMap<Name, usize>,
+}
+
+impl Names {
+    /// Who wears what in a variant.
+    fn stretches(&mut self, rig: &Rig, variant: Option<usize>) -> Vec<Stretch> {
+        let mut found = Vec::new();
+        for (index, mesh) in rig.meshes().iter().enumerate() {
+            for (part_index, part) in mesh.parts().iter().enumerate() {
+                let worn = Worn {
                     mesh: index,
                     part: part_index,
-                    triangles,
-                    blends,
+                    material: part.look(variant).material,
                 };
-                if !stretch.triangles.is_empty() {
-                    // What is opaque is drawn with one side left out, then with the other. What blends is drawn part by part.
-                    let half = if blends { 0 } else { half };
-                    found.push(((blends, wear, half), stretch));
+                let wear = self.place(rig, worn);
+                let blends = worn
+                    .material(rig)
+                    .is_some_and(|it| it.opacity == Opacity::Blend);
+                for (half, triangles) in part.halves().into_iter().enumerate() {
+                    let stretch = Stretch {
+                        wear,
+                        mesh: index,
+                        part: part_index,
+                        triangles,
+                        blends,
+                    };
+                    if !stretch.triangles.is_empty() {
+                        // What is opaque is drawn with one side left out, then with the other. What blends is drawn part by part.
+                        let half = if blends { 0 } else { half };
+                        found.push(((blends, wear, half), stretch));
+                    }
                 }
             }
         }
+        // Stable: the file's order where nothing else decides.
+        found.sort_by_key(|(rank, _)| *rank);
+        found.into_iter().map(|(_, stretch)| stretch).collect()
     }
-    // Stable: the file's order where nothing else decides.
-    found.sort_by_key(|(rank, _)| *rank);
-    let stretches = found.into_iter().map(|(_, stretch)| stretch).collect();
-    (names, stretches)
-}
 
-fn name(rig: &Rig, mesh: &Mesh, part: &Part) -> Name {
-    let material = material(rig, part);
-    // Whether there is a coat does not depend on the picture's surface.
-    if let Some(coat) = Coat::of(mesh, part, material, &Surface::default()) {
-        let worn = |place: Option<&TexturePlace>| {
-            place.map(|place| (Arc::as_ptr(&place.texture), place.wrap))
-        };
-        let normal_map = material.and_then(|it| it.normal_map.as_ref());
-        return Name::Coated {
-            coat: bytemuck::cast(coat),
-            textures: [
-                worn(material.and_then(|it| it.texture.as_ref())),
-                worn(material.and_then(|it| it.emissive_texture.as_ref())),
-                worn(normal_map.map(|map| &map.place)),
-            ],
-        };
+    fn place(&mut self, rig: &Rig, worn: Worn) -> usize {
+        let name = worn.name(rig);
+        *self.places.entry(name).or_insert_with(|| {
+            self.met.push((name, worn));
+            self.met.len() - 1
+        })
     }
-    match (texture(material), mesh.texcoords()) {
-        (Some(texture), Some(_)) => Name::Textured(Arc::as_ptr(texture)),
-        _ => Name::Plain,
-    }
-}
-
-fn material<'a>(rig: &'a Rig, part: &Part) -> Option<&'a Material> {
-    part.material.map(|material| &rig.materials()[material])
 }
 
 fn texture(material: Option<&Material>) -> Option<&Arc<Texture>> {
     let place = material?.texture.as_ref()?;
     Some(&place.texture)
-}
-
-/// Those of which pictures may leave out the back, and those of which they may leave out the front.
-fn halves(part: &Part) -> [Range<usize>; 2] {
-    let Range { start, end } = part.triangles;
-    let middle = match part.sides {
-        Sides::Both => end,
-        Sides::Outside { count } | Sides::Front { count } => start + count,
-    };
-    [start..middle, middle..end]
 }
 
 #[cfg(test)]
@@ -240,8 +262,10 @@ mod tests {
             ..Draft::default()
         };
         let rig = draft.build(&Limits::default()).expect("a rig");
-        let (names, stretches) = stretches(&rig);
-        assert_eq!(names.len(), 3, "plain is plain, named or not: {names:?}");
+        let mut names = Names::default();
+        let stretches = names.stretches(&rig, None);
+        let met = &names.met;
+        assert_eq!(met.len(), 3, "plain is plain, named or not: {met:?}");
         let order: Vec<_> = stretches.iter().map(|it| (it.mesh, it.part)).collect();
         // The paint's back, wound the other way, behind all of its front.
         let wanted = [(1, 1), (0, 1), (1, 0), (2, 0), (0, 0), (2, 1)];
@@ -276,7 +300,7 @@ mod tests {
             ..Draft::default()
         };
         let rig = draft.build(&Limits::default()).expect("a rig");
-        let (_, stretches) = stretches(&rig);
+        let stretches = Names::default().stretches(&rig, None);
         let order = stretches.iter().map(|it| (it.mesh, it.triangles.clone()));
         let order: Vec<_> = order.collect();
         assert_eq!(order, [(0, 0..1), (0, 1..2), (1, 0..1), (1, 1..2)]);

@@ -1,8 +1,11 @@
 //! Meshes: counts and indices checked, weights and normals completed, triangles wound.
 
 use super::{are_usable, finite};
-use crate::rig::{Binding, Influence, Mesh, MeshDraft, Part, PartDraft, RigError, Sides, Warnings};
+use crate::rig::{
+    Binding, Influence, Look, Mesh, MeshDraft, Part, PartDraft, RigError, Sides, Warnings,
+};
 use glam::Vec3;
+use std::collections::BTreeMap;
 
 /// Files print weights with four or five decimals; a sum further off than this was not meant to be 1.
 const WEIGHT_SUM_TOLERANCE: f64 = 1e-3;
@@ -18,11 +21,12 @@ impl MeshBuild<'_> {
         mut self,
         name: String,
         bindings: &mut Vec<Binding>,
-        material_count: usize,
+        [material_count, variant_count]: [usize; 2],
     ) -> Result<Mesh, RigError> {
         self.check_counts()?;
         self.check_numbers(&name)?;
         self.check_indices(bindings.len(), material_count)?;
+        self.check_variants(material_count, variant_count)?;
         let (influence_starts, influences) = self.build_influences(&name, bindings);
         let normals = self.build_normals();
         let parts = self.build_parts();
@@ -187,6 +191,29 @@ impl MeshBuild<'_> {
         }
     }
 
+    fn check_variants(&self, material_count: usize, variant_count: usize) -> Result<(), RigError> {
+        for (index, it) in self.mesh.in_variants.iter().enumerate() {
+            let named = [
+                ("part", it.part, self.mesh.parts.len()),
+                ("variant", it.variant, variant_count),
+                ("material", it.material, material_count),
+            ];
+            for (target, found, count) in named {
+                if found >= count {
+                    return Err(RigError::OutOfRange {
+                        mesh: self.index,
+                        what: "choice of a variant",
+                        index,
+                        target,
+                        found,
+                        count,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
     fn build_parts(&self) -> Vec<Part> {
         let whole = PartDraft {
             triangle_count: self.mesh.triangles.len(),
@@ -204,6 +231,7 @@ impl MeshBuild<'_> {
             Part {
                 triangles,
                 material: draft.material,
+                in_variants: BTreeMap::new(),
                 is_flat: draft.is_flat,
                 // Found once influences and morph targets are there too.
                 sides: Sides::Both,
@@ -211,7 +239,15 @@ impl MeshBuild<'_> {
                 follows: 0,
             }
         };
-        drafts.iter().map(part).collect()
+        let mut parts: Vec<Part> = drafts.iter().map(part).collect();
+        for it in &self.mesh.in_variants {
+            let in_variants = parts[it.part].in_variants.entry(it.variant);
+            in_variants.or_insert(Look {
+                material: Some(it.material),
+                sides: Sides::Both,
+            });
+        }
+        parts
     }
 
     /// Weights are divided by their sum in f64. A vertex whose weights have no positive sum follows nothing, so it stays where it

@@ -3,6 +3,7 @@
 
 mod clip;
 mod closed;
+mod light;
 mod mesh;
 mod morph;
 mod reach;
@@ -53,6 +54,8 @@ impl Draft {
         for (material, name) in self.materials.iter_mut().zip(material_names) {
             material.name = name;
         }
+        let variants = names::unique("variant", self.variants.iter().map(String::as_str));
+        let lights = light::build(self.lights, skeleton.joints().len())?;
         let mut meshes = Vec::with_capacity(self.meshes.len());
         for (index, (mesh, name)) in self.meshes.into_iter().zip(mesh_names).enumerate() {
             meshes.push(
@@ -61,7 +64,11 @@ impl Draft {
                     mesh,
                     warnings: &mut self.warnings,
                 }
-                .build(name, &mut bindings, self.materials.len())?,
+                .build(
+                    name,
+                    &mut bindings,
+                    [self.materials.len(), self.variants.len()],
+                )?,
             );
         }
         let morphs = morph::build(self.morphs, &mut meshes, limits)?;
@@ -80,6 +87,8 @@ impl Draft {
             meshes,
             bindings,
             materials: self.materials,
+            variants,
+            lights,
             morphs,
             clips,
             warnings: self.warnings.into_sentences(),

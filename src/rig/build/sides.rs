@@ -2,14 +2,21 @@
 //! Never lives here: whether a surface encloses anything.
 
 use super::closed;
-use crate::rig::{Material, Mesh, Opacity, Part, Sides};
+use crate::rig::{Material, Mesh, Opacity, Sides};
 
-/// `mesh` has its draw triangles in the order of the file's.
+/// `mesh` has its draw triangles in the order of the file's. Of a part there is one order for all variants: where it is single-sided in
+/// one, it is sorted for that one, and shows both sides in others.
 pub(super) fn sort(mesh: &mut Mesh, materials: &[Material]) {
-    let material_of = |part: &Part| part.material.map(|material| &materials[material]);
-    let is_opaque = |part: &Part| material_of(part).is_none_or(|it| it.opacity == Opacity::Opaque);
+    let material_of = |material: Option<usize>| material.map(|material| &materials[material]);
+    let is_single_sided =
+        |material| material_of(material).is_some_and(|material| material.is_single_sided);
+    let is_opaque = |material| material_of(material).is_none_or(|it| it.opacity == Opacity::Opaque);
     // What is seen through a hole in it is its inside.
-    let are_outward = if mesh.parts.iter().all(is_opaque) {
+    let all_are_opaque = mesh
+        .parts
+        .iter()
+        .all(|part| part.materials().all(is_opaque));
+    let are_outward = if all_are_opaque {
         closed::are_outward(mesh)
     } else {
         None
@@ -17,15 +24,18 @@ pub(super) fn sort(mesh: &mut Mesh, materials: &[Material]) {
     let mut parts = std::mem::take(&mut mesh.parts);
     for part in &mut parts {
         let own = part.triangles.clone();
-        if material_of(part).is_some_and(|material| material.is_single_sided) {
+        if part.materials().any(is_single_sided) {
             let file = &mesh.triangles[own.clone()];
             let as_in_file = file.iter().zip(&mesh.draw_triangles[own.clone()]);
             let is_front: Vec<bool> = as_in_file.map(|(file, draw)| file == draw).collect();
             let count = first_those(&mut mesh.draw_triangles[own], &is_front);
-            part.sides = Sides::Front { count };
+            part.set_sides(|material| match is_single_sided(material) {
+                true => Sides::Front { count },
+                false => Sides::Both,
+            });
         } else if let Some(are_outward) = &are_outward {
             let count = first_those(&mut mesh.draw_triangles[own.clone()], &are_outward[own]);
-            part.sides = Sides::Outside { count };
+            part.set_sides(|_| Sides::Outside { count });
         }
     }
     mesh.parts = parts;

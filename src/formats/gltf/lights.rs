@@ -1,0 +1,196 @@
+//! Lights of the scene (KHR_lights_punctual), which a picture is lit by where its request asks for them. A light that is not as it should be
+//! is left out with a warning: no file is refused for it. Never lives here: where nodes stand.
+
+use super::container::plain;
+use super::extensions::LIGHTS;
+use super::fault::Faults;
+use super::nodes::{Nodes, Place};
+use crate::limits::Limits;
+use crate::rig::{FileLight, FileLightKind, LARGEST_COORDINATE, Warnings};
+use glam::Vec3;
+use gltf_json::{Node, Root};
+use serde::Deserialize;
+use serde_json::Value;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+pub(super) fn is_carried_by(node: &Node) -> bool {
+    of_node(node).is_some()
+}
+
+fn of_node(node: &Node) -> Option<&Value> {
+    node.extensions.as_ref()?.others.get(LIGHTS)
+}
+
+/// In the order of the nodes that carry them, as many as a picture may have.
+pub(super) fn read(
+    faults: Faults<'_>,
+    root: &Root,
+    nodes: &Nodes,
+    limits: &Limits,
+    warnings: &mut Warnings,
+) -> Vec<FileLight> {
+    let in_scene = root.nodes.iter().enumerate();
+    let in_scene = in_scene.filter(|(index, _)| nodes.is_in_scene[*index]);
+    let carried: Vec<_> = in_scene
+        .filter_map(|(index, node)| Some((index, of_node(node)?)))
+        .collect();
+    if carried.is_empty() {
+        return Vec::new();
+    }
+    let listed = root.extensions.as_ref();
+    let listed = listed.and_then(|it| it.others.get(LIGHTS)?.get("lights")?.as_array());
+    let listed = listed.into_iter().flatten().enumerate();
+    let described: Vec<_> = listed
+        .map(|(index, light)| described(faults, index, light, warnings))
+        .collect();
+    if described
+        .iter()
+        .flatten()
+        .any(|light| light.range.is_some())
+    {
+        warnings.push(|| faults.warning("ranges of lights are passed over: they reach everywhere"));
+    }
+    let mut lights = Vec::new();
+    for (index, light) in carried {
+        let path = format!("nodes[{index}].extensions.{LIGHTS}.light");
+        let named = light.get("light").and_then(Value::as_u64);
+        let Some(light) = named.and_then(|it| described.get(usize::try_from(it).ok()?)) else {
+            let expected = format!("one of the {} lights", described.len());
+            let sentence = format!("{path} is left out: it is not {expected}");
+            warnings.push(|| faults.warning(&sentence));
+            continue;
+        };
+        let Some(light) = light else { continue };
+        let Some(place) = nodes.place(index).filter(is_usable) else {
+            let sentence =
+                format!("{path} is left out: its node stands beyond ±{LARGEST_COORDINATE:e}");
+            warnings.push(|| faults.warning(&sentence));
+            continue;
+        };
+        let name = light.name.as_ref().or(root.nodes[index].name.as_ref());
+        lights.push(FileLight {
+            name: faults.name(name.map(String::as_str), &path, warnings),
+            joint: place.joint,
+            joint_from_light: place.joint_from_node,
+            kind: light.kind(),
+            color: Vec3::from_array(light.color),
+            intensity: light.intensity,
+        });
+    }
+    let most = usize::try_from(limits.lights).unwrap_or(usize::MAX);
+    if lights.len() > most {
+        let sentence = format!("of {} lights the first {most} are kept", lights.len());
+        warnings.push(|| faults.warning(&sentence));
+        lights.truncate(most);
+    }
+    lights
+}
+
+fn is_usable(place: &Place) -> bool {
+    let numbers = place.joint_from_node.to_cols_array();
+    numbers
+        .iter()
+        .all(|number| number.abs() <= LARGEST_COORDINATE)
+}
+
+/// A light as the file describes it.
+#[derive(Deserialize)]
+struct Described {
+    name: Option<String>,
+    #[serde(rename = "type")]
+    kind: Kind,
+    #[serde(default = "white")]
+    color: [f32; 3],
+    #[serde(default = "one")]
+    intensity: f64,
+    range: Option<f64>,
+    #[serde(default)]
+    spot: Cone,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Kind {
+    Directional,
+    Point,
+    Spot,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+struct Cone {
+    inner_cone_angle: f64,
+    outer_cone_angle: f64,
+}
+
+impl Default for Cone {
+    fn default() -> Self {
+        Self {
+            inner_cone_angle: 0.0,
+            outer_cone_angle: FRAC_PI_4,
+        }
+    }
+}
+
+fn white() -> [f32; 3] {
+    [1.0; 3]
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl Described {
+    fn kind(&self) -> FileLightKind {
+        match self.kind {
+            Kind::Directional => FileLightKind::Directional,
+            Kind::Point => FileLightKind::Point,
+            Kind::Spot => FileLightKind::Spot {
+                inner: self.spot.inner_cone_angle,
+                outer: self.spot.outer_cone_angle,
+            },
+        }
+    }
+
+    /// What is wrong with it.
+    fn problem(&self) -> Option<&'static str> {
+        let Cone {
+            inner_cone_angle: inner,
+            outer_cone_angle: outer,
+        } = self.spot;
+        if !self
+            .color
+            .iter()
+            .all(|channel| (0.0..=1.0).contains(channel))
+        {
+            Some("its color is not made of numbers from 0 to 1")
+        } else if !(0.0..=FileLight::MOST_INTENSITY).contains(&self.intensity) {
+            Some("its intensity is no number from 0 to 1e12")
+        } else if !(0.0 <= inner && inner < outer && outer <= FRAC_PI_2) {
+            Some("the angles of its cone do not rise from 0 to π/2")
+        } else {
+            None
+        }
+    }
+}
+
+fn described(
+    faults: Faults<'_>,
+    index: usize,
+    light: &Value,
+    warnings: &mut Warnings,
+) -> Option<Described> {
+    let read = Described::deserialize(light).map_err(|error| plain(&error.to_string()));
+    let checked = read.and_then(|light| match light.problem() {
+        Some(problem) => Err(problem.to_owned()),
+        None => Ok(light),
+    });
+    match checked {
+        Ok(light) => Some(light),
+        Err(problem) => {
+            let path = format!("extensions.{LIGHTS}.lights[{index}]");
+            warnings.push(|| faults.warning(&format!("{path} is left out: {problem}")));
+            None
+        }
+    }
+}
