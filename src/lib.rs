@@ -30,7 +30,7 @@
 //! | `rayon` | [`engine`] [`render::cpu`] |
 //! | `fearless_simd` | [`render::cpu`] |
 //! | `image` | [`encode`] [`formats`] |
-//! | `cap_std` `sha2` `gltf_json` | [`formats`] |
+//! | `cap_std` `sha2` `gltf_json` `spade` | [`formats`] |
 //! | `strsim` `schemars` | [`protocol`] |
 //! | `base64_simd` `serde_path_to_error` | [`protocol`] [`formats`] |
 //! | `serde` `serde_json` | [`protocol`] [`service`] [`client`] [`cli`] [`formats`] |

@@ -8,10 +8,12 @@ use super::cse169::skin::{self, BoundTo, SkinMaterial};
 use super::error::LoadError;
 use super::files::{Files, Gathered};
 use super::gltf;
+use super::materials::MaterialLookup;
 use super::mit;
 use super::mit::attach::AttachedTo;
 use super::parts::Parts;
 use super::recognise::{Kind, stem};
+use super::text;
 use super::textures::Textures;
 use crate::limits::Limits;
 use crate::rig::{
@@ -126,7 +128,10 @@ impl Assembly<'_, '_> {
     ) -> Result<usize, LoadError> {
         let warnings = &mut self.draft.warnings;
         let texture = match &material.texture {
-            Some(name) => self.textures.look_up(self.files, file, name, warnings)?,
+            Some(name) => {
+                let mention = (name.file.as_str(), name.place.as_str());
+                self.textures.look_up(self.files, file, mention, warnings)?
+            }
             None => None,
         };
         self.draft.materials.push(Material {
@@ -148,7 +153,15 @@ impl Assembly<'_, '_> {
 
     fn add_obj(&mut self, file: &Gathered) -> Result<(), LoadError> {
         let warnings = &mut self.draft.warnings;
-        let mut mesh = mit::obj::read(&file.name, file.text()?, self.limits, warnings)?;
+        let text = text::decode_loosely(&file.name, &file.bytes, warnings)?;
+        let obj = mit::obj::read(&file.name, &text, self.limits, warnings)?;
+        let mut lookup = MaterialLookup {
+            files: self.files,
+            textures: &mut self.textures,
+            materials: &mut self.draft.materials,
+            warnings,
+        };
+        let mut mesh = lookup.resolve(file, obj)?;
         if let (Some(attachments), Some(skeleton)) = (&self.parts.attachments, &self.parts.skeleton)
         {
             let to = AttachedTo {

@@ -116,6 +116,21 @@ pub(super) enum Denied {
     Io(io::Error),
 }
 
+impl Denied {
+    /// In words, to follow a colon.
+    ///
+    /// # Errors
+    /// The ceiling that was exceeded, which no file may pass over.
+    pub(super) fn reason(self) -> Result<String, LimitExceeded> {
+        match self {
+            Self::NotFound => Ok("it was not found".to_owned()),
+            Self::NotAllowed(reason) => Ok(reason.to_owned()),
+            Self::Limit(exceeded) => Err(exceeded),
+            Self::Io(error) => Ok(error.to_string()),
+        }
+    }
+}
+
 impl From<LimitExceeded> for Denied {
     fn from(exceeded: LimitExceeded) -> Self {
         Self::Limit(exceeded)

@@ -2,6 +2,8 @@
 //! Never lives here: words and grammar.
 
 use super::error::FileFault;
+use crate::rig::Warnings;
+use std::borrow::Cow;
 
 const UTF8_BOM: &[u8] = b"\xEF\xBB\xBF";
 
@@ -34,6 +36,40 @@ pub(super) fn decode<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a str, FileFau
         column,
         ..FileFault::whole(file, EXPECTED, format!("the byte 0x{byte:02X}"))
     })
+}
+
+/// The text of a file that is not to be refused for what nobody reads in it. What is not UTF-8 is taken for Latin-1, which older programs
+/// write names and comments in, and NUL bytes separate words: a warning each.
+///
+/// # Errors
+/// [`FileFault`] for UTF-16.
+pub(super) fn decode_loosely<'a>(
+    file: &str,
+    bytes: &'a [u8],
+    warnings: &mut Warnings,
+) -> Result<Cow<'a, str>, FileFault> {
+    if bytes.starts_with(b"\xFF\xFE") || bytes.starts_with(b"\xFE\xFF") {
+        return decode(file, bytes).map(Cow::Borrowed);
+    }
+    let bytes = without_bom(bytes);
+    let text = match std::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => Cow::Owned(bytes.iter().map(|&byte| char::from(byte)).collect()),
+    };
+    let mut warn_of = |offset: usize, what: &str| {
+        warnings.push(|| {
+            let (line, column) = Place::START.advanced(&text, offset).line_column(&text);
+            format!("{file}:{line}:{column}: {what}")
+        });
+    };
+    if let Cow::Owned(text) = &text {
+        let first = text.find(|c: char| !c.is_ascii()).unwrap_or_default();
+        warn_of(first, "the file is not UTF-8 and taken for Latin-1");
+    }
+    if let Some(first) = text.find('\0') {
+        warn_of(first, "NUL bytes are passed over");
+    }
+    Ok(text)
 }
 
 pub(super) fn without_bom(bytes: &[u8]) -> &[u8] {

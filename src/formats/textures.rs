@@ -1,11 +1,9 @@
 //! Pictures that files refer to, each decoded once. Never lives here: what is inside a picture's file, and where it is found.
 
-use super::cse169::skin::TextureName;
 use super::error::{LoadError, quoted};
 use super::files::{Files, Gathered};
 use super::pictures::{self, Alpha, BadPicture};
 use super::recognise::{Kind, base_name};
-use super::source::Denied;
 use crate::limits::Limits;
 use crate::rig::{Encoding, Texture, Warnings};
 use std::sync::Arc;
@@ -26,35 +24,29 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// A texture that cannot be had is a warning: the rig is drawn without it.
+    /// What `from` calls `name` at `place`. A texture that cannot be had is a warning: the rig is drawn without it.
     ///
     /// # Errors
     /// Only where its file is larger than the request's files may be, or has more pixels than a picture may.
     pub(super) fn look_up(
         &mut self,
         files: &mut Files,
-        skin: &Gathered,
-        name: &TextureName,
+        from: &Gathered,
+        (name, place): (&str, &str),
         warnings: &mut Warnings,
     ) -> Result<Option<Arc<Texture>>, LoadError> {
-        let reason = match files.look_up(skin, &name.file) {
+        let reason = match files.look_up(from, name) {
             Ok(file) if file.kind != Kind::Other => "it is no picture".to_owned(),
             Ok(file) => match self.decode(file) {
                 Ok(texture) => return Ok(Some(texture)),
                 Err(BadPicture::Limit(exceeded)) => return Err(exceeded.into()),
                 Err(BadPicture::Undecodable(reason)) => reason,
             },
-            Err(Denied::Limit(exceeded)) => return Err(exceeded.into()),
-            Err(Denied::NotFound) => "it was not found".to_owned(),
-            Err(Denied::NotAllowed(reason)) => reason.to_owned(),
-            Err(Denied::Io(error)) => error.to_string(),
+            Err(denied) => denied.reason()?,
         };
         warnings.push(|| {
-            let texture = quoted(&name.file);
-            format!(
-                "{}: the texture {texture} is left out: {reason}",
-                name.place
-            )
+            let texture = quoted(name);
+            format!("{place}: the texture {texture} is left out: {reason}")
         });
         Ok(None)
     }
