@@ -236,11 +236,7 @@ fn hard_edges_are_drawn_hard_and_picked_so_while_vertices_are_smooth() {
     let image = draw(&SERVICE, &over(evenly("hard"), changes)).image;
     assert!(image.iter().all(|(_, _, pixel)| pixel == [255; 4]));
     let asked = json!({"rig": "hard", "transport": "json"});
-    let vertices = ask_ok(
-        &SERVICE,
-        "mesh.vertices",
-        over(asked, json!({"normals": true})),
-    );
+    let vertices = ask_ok(&SERVICE, "mesh.vertices", asked);
     let normals = numbers(&vertices["meshes"][0]["normals"]);
     assert_eq!(normals.len(), 24);
     // Each leans to all three of its faces.
@@ -286,7 +282,7 @@ fn what_is_beside_an_obj_is_found_and_told_in_its_digest() {
     let source = Source::rooted(&folder).expect("a folder");
     let service = support::service_with(Limits::default(), source);
     let by_path = |file: &str| {
-        let files = json!({"name": "of", "replace": true, "files": [{"path": file}]});
+        let files = json!({"name": "of", "replace": true, "files": [file]});
         ask_ok(&service, "rig.load", files)
     };
     let summary = by_path("mtllib.obj");
@@ -331,7 +327,7 @@ fn cases_load_with_one_warning_for_each_oddity() {
         ("mit_comment_first.obj", 0),
         ("concave_fan_from_first_is_wrong.obj", 0),
     ] {
-        let files = json!({"name": "case", "replace": true, "files": [{"path": file}]});
+        let files = json!({"name": "case", "replace": true, "files": [file]});
         let summary = ask_ok(&service, "rig.load", files);
         let warnings = summary["warnings"].as_array().expect("a list");
         assert_eq!(warnings.len(), wanted, "{file}: {warnings:?}");
