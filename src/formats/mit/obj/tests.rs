@@ -187,7 +187,7 @@ fn smoothing_groups_are_smooth_within_and_hard_between() {
     assert_eq!(normals[3..], [Vec3::X; 3]);
     let together = mesh("s 7\n", "s 7\n");
     assert_eq!(together.copies, [0; 0]);
-    let between = (Vec3::X + Vec3::Z).normalize();
+    let between = (Vec3::X + Vec3::Z).normalize_or_zero();
     assert_eq!(corners(&together)[0].1, between);
     for (first, second, wanted) in [
         ("", "", vec![(2, None, false)]),
