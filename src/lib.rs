@@ -31,7 +31,7 @@
 //! | `rayon` | [`engine`] [`render::cpu`] |
 //! | `fearless_simd` | [`render::cpu`] |
 //! | `image` | [`encode`] [`formats`] |
-//! | `cap_std` `sha2` `gltf_json` | [`formats`] |
+//! | `cap_std` `sha2` `gltf_json` `spade` | [`formats`] |
 //! | `schemars` | [`protocol`] |
 //! | `strsim` | [`spelling`] |
 //! | `base64_simd` `serde_path_to_error` | [`protocol`] [`formats`] |

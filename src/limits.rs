@@ -67,7 +67,7 @@ limits! {
     lights: 16,
     /// Joints of one rig.
     joints: 65_536,
-    /// Vertices of one rig.
+    /// Vertices of one rig, with those that are drawn besides for seams and hard edges.
     vertices: 8 << 20,
     /// Triangles of one rig.
     triangles: 16 << 20,

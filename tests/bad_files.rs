@@ -199,7 +199,11 @@ fn assert_is_sound(loaded: &Loaded) {
     for mesh in rig.meshes() {
         assert!(mesh.positions().iter().all(|position| position.is_finite()));
         assert!(mesh.influences().iter().all(|it| it.weight.is_finite()));
-        for vertex in 0..mesh.vertex_count() {
+        let is_there = |&corner: &u32| (corner as usize) < mesh.draw_vertex_count();
+        assert!(mesh.triangles().as_flattened().iter().all(is_there));
+        let is_of_file = |corner: u32| (corner as usize) < mesh.vertex_count();
+        assert!(mesh.file_triangles().flatten().all(is_of_file));
+        for vertex in 0..mesh.draw_vertex_count() {
             let displacements = mesh.morph_displacements_of(vertex).iter();
             displacements.for_each(|it| assert!(it.position.is_finite() && it.normal.is_finite()));
         }
@@ -301,6 +305,34 @@ fn mutated_files_give_a_sound_rig_or_a_clear_fault() {
                 rigs > 100 && faults > 100,
                 "{name}: {rigs} rigs, {faults} faults"
             );
+        }
+    }
+}
+
+#[test]
+fn a_mutated_mesh_or_material_library_gives_a_sound_rig_or_a_clear_fault() {
+    // All that there is in either: copies of vertices, a face to be cut, materials, colors, groups.
+    const MESH: &str = "mtllib b.mtl\nv 1 .5 0 1 0 0\nv 0 2 0\nv 0 0 0\nv 2 0 0\nv 2 2 0\nvt 0 0\nvt 1 1\nvn 0 0 1\n\
+        usemtl one\ns 1\nf 2/1/1 3/2 4 5//1 1\nusemtl two\ns off\nf 3/2 2 1\nf -1/1/1 -2/-1/-1 -3\n";
+    const LIBRARY: &str = "newmtl one\nKd 1 0 .5\nKs .1 .1 .1\nNs 9\nmap_Kd -s 2 2 -o .5 face.bmp\nnewmtl two\nd .5\nmap_Bump x\n";
+    let family: &[(&str, &str)] = &[("b.obj", MESH), ("b.mtl", LIBRARY)];
+    let whole = load_files(&with_broken(family, "", b"")).expect("both are valid");
+    assert_eq!(whole.rig.materials().len(), 2);
+    assert!(whole.rig.draw_vertex_count() > whole.rig.vertex_count());
+    let mut random = Random(0x0B7E_C700);
+    for (name, text) in family {
+        for _ in 0..5_000 {
+            let bytes = mutated(text, &mut random);
+            match load_files(&with_broken(family, name, &bytes)) {
+                Ok(loaded) => assert_is_sound(&loaded),
+                // A library is at fault only where its first word makes a file of another kind of it.
+                Err(LoadError::Invalid(fault)) if fault.file == *name => {
+                    assert_is_clear(&fault, &bytes);
+                }
+                Err(LoadError::Invalid(fault)) => assert_is_clear(&fault, MESH.as_bytes()),
+                Err(LoadError::Limit(_)) => {}
+                Err(other) => panic!("{name}: {other}"),
+            }
         }
     }
 }

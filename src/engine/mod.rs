@@ -321,7 +321,8 @@ impl Engine {
         let queries = queries.map(|(mesh, of_mesh)| VertexQuery {
             mesh,
             start: 0,
-            count: of_mesh.vertex_count(),
+            // A hit's normal is that of the surface as it is drawn.
+            count: of_mesh.draw_vertex_count(),
             positions: true,
             normals: true,
         });

@@ -9,6 +9,7 @@ use super::error::LoadError;
 use super::files::{Files, Gathered};
 use super::gltf;
 use super::lexer::Lexer;
+use super::materials::MaterialLookup;
 use super::mit;
 use super::mit::attach::AttachedTo;
 use super::parts::Parts;
@@ -145,7 +146,15 @@ impl Assembly<'_, '_> {
 
     fn add_obj(&mut self, file: &Gathered) -> Result<(), LoadError> {
         let warnings = &mut self.draft.warnings;
-        let mut mesh = mit::obj::read(&file.name, &file.text(warnings)?, self.limits, warnings)?;
+        let text = file.text(warnings)?;
+        let obj = mit::obj::read(&file.name, &text, self.limits, warnings)?;
+        let mut lookup = MaterialLookup {
+            files: self.files,
+            textures: &mut self.textures,
+            materials: &mut self.draft.materials,
+            warnings,
+        };
+        let mut mesh = lookup.resolve(file, obj);
         if let (Some(attachments), Some(skeleton)) = (&self.parts.attachments, &self.parts.skeleton)
         {
             let to = AttachedTo {

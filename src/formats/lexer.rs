@@ -5,6 +5,7 @@ use super::error::{FileFault, quoted};
 use super::text::Place;
 use crate::rig::LARGEST_COORDINATE;
 use std::cell::Cell;
+use std::ops::Range;
 
 /// A word, a brace, the end of a line where lines are asked for, or the empty text at the end of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,6 +74,11 @@ impl<'a> Lexer<'a> {
             at: offset,
             ..self.clone()
         }
+    }
+
+    /// What stands between two words of the text, with their own bytes.
+    pub(super) fn slice(&self, range: Range<usize>) -> &'a str {
+        &self.text[range]
     }
 
     #[allow(

@@ -9,6 +9,7 @@ mod error;
 mod files;
 mod gltf;
 mod lexer;
+mod materials;
 mod mit;
 mod parts;
 mod pictures;

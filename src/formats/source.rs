@@ -143,6 +143,18 @@ pub(super) enum Denied {
     Io(io::Error),
 }
 
+impl Denied {
+    /// In words, to follow a colon.
+    pub(super) fn reason(&self) -> String {
+        match self {
+            Self::NotFound => "it was not found".to_owned(),
+            Self::NotAllowed(reason) => (*reason).to_owned(),
+            Self::Limit(exceeded) => exceeded.to_string(),
+            Self::Io(error) => error.to_string(),
+        }
+    }
+}
+
 impl From<LimitExceeded> for Denied {
     fn from(exceeded: LimitExceeded) -> Self {
         Self::Limit(exceeded)

@@ -4,7 +4,6 @@ use super::error::quoted;
 use super::files::{Files, Gathered};
 use super::pictures::{Alpha, BadPicture, Decoder};
 use super::recognise::{Kind, base_name};
-use super::source::Denied;
 use crate::limits::Limits;
 use crate::rig::{Encoding, Texture, Warnings};
 use std::sync::Arc;
@@ -37,10 +36,7 @@ impl<'a> Textures<'a> {
                 Ok(texture) => return Some(texture),
                 Err(bad) => bad.to_string(),
             },
-            Err(Denied::Limit(exceeded)) => exceeded.to_string(),
-            Err(Denied::NotFound) => "it was not found".to_owned(),
-            Err(Denied::NotAllowed(reason)) => reason.to_owned(),
-            Err(Denied::Io(error)) => error.to_string(),
+            Err(denied) => denied.reason(),
         };
         warnings.push(|| {
             let texture = quoted(name);

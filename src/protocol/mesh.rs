@@ -132,7 +132,10 @@ pub struct MeshTopology {
     pub parts: Vec<MeshPart>,
     /// Indices of vertices, wound as in the file: uint32 of shape `[triangle_count, 3]`.
     pub triangles: Blob,
-    /// Where the file has any: float32 of shape `[vertex_count, 2]`; v is 0 at the bottom of the picture.
+    /// Where the file has any, and but one for each vertex: float32 of shape `[vertex_count, 2]`; v is 0 at the bottom of the picture.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub texcoords: Option<Blob>,
+    /// In their place where a vertex has several, those of each triangle's corners: float32 of shape `[triangle_count, 3, 2]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub corner_texcoords: Option<Blob>,
 }

@@ -231,7 +231,7 @@ pub struct MeshDescription {
     pub material: Option<String>,
     /// Its triangles by what they are made of, one part after another.
     pub parts: Vec<MeshPart>,
-    /// Whether `mesh.topology` has `texcoords` for it.
+    /// Whether `mesh.topology` has `texcoords` or `corner_texcoords` for it.
     pub has_texcoords: bool,
 }
 

@@ -198,7 +198,7 @@ impl Capabilities {
                     triangles + size_of_val(mesh.draw_triangles()),
                 ]
             });
-        let skinned = rig.vertex_count() * 24;
+        let skinned = rig.draw_vertex_count() * 24;
         let palette = rig.bindings().len() * size_of::<SkinDualQuaternion>();
         let sizes = [influences, displacements, triangles, skinned, palette];
         let largest = sizes.into_iter().max().unwrap_or(0);

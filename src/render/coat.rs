@@ -46,9 +46,11 @@ impl Coat {
         let material = material.unwrap_or(&unnamed);
         let given = surface.diffuse.map(Color::rgb);
         let own = material.color.unwrap_or_else(|| {
-            let color = match material.texture {
-                Some(_) => Color::WHITE,
-                None => Surface::DIFFUSE,
+            let is_colored = material.texture.is_some() || mesh.colors().is_some();
+            let color = if is_colored {
+                Color::WHITE
+            } else {
+                Surface::DIFFUSE
             };
             color.rgb().extend(1.0)
         });

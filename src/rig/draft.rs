@@ -81,6 +81,9 @@ pub struct MeshDraft {
     /// Empty where the file gives none.
     pub name: String,
     pub positions: Vec<Vec3>,
+    /// Vertices that are drawn beside those that have positions, for what one place of a surface has several of: of each, which vertex
+    /// it is a copy of. They are numbered behind those, and have normals, texture coordinates and colors of their own.
+    pub copies: Vec<u32>,
     /// Of any length; computed (area-weighted, smooth) where the file gives none.
     pub normals: Option<Vec<Vec3>>,
     /// `v` is 0 at the bottom of a picture.
@@ -91,6 +94,7 @@ pub struct MeshDraft {
     pub influence_counts: Vec<u32>,
     /// `(index into Draft::bindings, weight)` of every vertex, one vertex after another.
     pub influences: Vec<(u32, f64)>,
+    /// Of vertices and copies.
     pub triangles: Vec<[u32; 3]>,
     /// Of all triangles, one part after another. Empty: a single part without a material.
     pub parts: Vec<PartDraft>,

@@ -139,11 +139,13 @@ impl Sides {
     }
 }
 
-/// A triangle mesh in bind space, vertices in the file's own order.
+/// A triangle mesh in bind space, vertices in the file's own order. Where a place of its surface has several normals, texture coordinates
+/// or colors, copies of the vertex there follow behind the file's last vertex. Copies are drawn; only the file's vertices are counted.
 #[derive(Debug)]
 pub struct Mesh {
     pub(super) name: String,
     pub(super) positions: Vec<Vec3>,
+    pub(super) copies: Vec<u32>,
     pub(super) normals: Vec<Vec3>,
     pub(super) texcoords: Option<Vec<Vec2>>,
     pub(super) colors: Option<Vec<Vec4>>,
@@ -164,30 +166,51 @@ impl Mesh {
         &self.name
     }
 
+    /// Those of the file.
     pub fn vertex_count(&self) -> usize {
+        self.positions.len() - self.copies.len()
+    }
+
+    /// Those of the file and copies of them.
+    pub fn draw_vertex_count(&self) -> usize {
         self.positions.len()
     }
 
+    /// Which vertex of the file a draw vertex is, or is a copy of.
+    pub fn original_of(&self, vertex: u32) -> u32 {
+        let copy = (vertex as usize).checked_sub(self.vertex_count());
+        copy.map_or(vertex, |copy| self.copies[copy])
+    }
+
+    /// One per draw vertex.
     pub fn positions(&self) -> &[Vec3] {
         &self.positions
     }
 
-    /// Unit length, one per vertex.
+    /// Unit length, one per draw vertex.
     pub fn normals(&self) -> &[Vec3] {
         &self.normals
     }
 
-    /// One per vertex; `v` is 0 at the bottom of the picture.
+    /// One per draw vertex; `v` is 0 at the bottom of the picture.
     pub fn texcoords(&self) -> Option<&[Vec2]> {
         self.texcoords.as_deref()
     }
 
-    /// Linear RGB and opacity, one per vertex: they multiply the material's.
+    /// One per vertex of the file; `None` where a vertex has several.
+    pub fn shared_texcoords(&self) -> Option<&[Vec2]> {
+        let (own, of_copies) = self.texcoords()?.split_at(self.vertex_count());
+        let mut copies = self.copies.iter().zip(of_copies);
+        let is_shared = copies.all(|(&original, of_copy)| own[original as usize] == *of_copy);
+        is_shared.then_some(own)
+    }
+
+    /// Linear RGB and opacity, one per draw vertex: they multiply the material's.
     pub fn colors(&self) -> Option<&[Vec4]> {
         self.colors.as_deref()
     }
 
-    /// `vertex_count + 1` indices into [`Mesh::influences`]: those of vertex `v` are `starts[v]..starts[v + 1]`, never empty.
+    /// `draw_vertex_count + 1` indices into [`Mesh::influences`]: those of vertex `v` are `starts[v]..starts[v + 1]`, never empty.
     pub fn influence_starts(&self) -> &[u32] {
         &self.influence_starts
     }
@@ -202,7 +225,7 @@ impl Mesh {
             [self.influence_starts[vertex] as usize..self.influence_starts[vertex + 1] as usize]
     }
 
-    /// `vertex_count + 1` indices into [`Mesh::morph_displacements`], or none where no morph target moves this mesh.
+    /// `draw_vertex_count + 1` indices into [`Mesh::morph_displacements`], or none where no morph target moves this mesh.
     pub fn morph_starts(&self) -> &[u32] {
         &self.morph_starts
     }
@@ -220,9 +243,17 @@ impl Mesh {
         }
     }
 
-    /// With the file's own winding.
+    /// Of draw vertices, with the file's own order and winding.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
+    }
+
+    /// The same triangles, of the file's vertices.
+    pub fn file_triangles(&self) -> impl Iterator<Item = [u32; 3]> {
+        let original = |vertex| self.original_of(vertex);
+        self.triangles
+            .iter()
+            .map(move |corners| corners.map(original))
     }
 
     /// The same triangles, each wound counter-clockwise about its vertices' normals; within a [part](Self::parts) in the order that its
@@ -261,6 +292,7 @@ impl Mesh {
             .as_ref()
             .map_or(0, |colors| size_of_val(colors.as_slice()));
         size_of_val(self.positions.as_slice())
+            + size_of_val(self.copies.as_slice())
             + colors
             + size_of_val(self.normals.as_slice())
             + texcoords

@@ -27,7 +27,7 @@ pub use mesh::{Binding, Followers, Influence, Look, Mesh, Part, Sides};
 pub use morph::{Morph, MorphDisplacement};
 pub use rotation::{Rotation, RotationOrder};
 pub use skeleton::{Axis, Joint, Limit, Skeleton};
-pub use texture::{Encoding, LINEAR_FROM_SRGB, Texture, TextureLevel};
+pub use texture::{Encoding, LINEAR_FROM_SRGB, Texture, TextureLevel, linear_from_srgb};
 pub use warnings::Warnings;
 
 use std::sync::Arc;
@@ -128,6 +128,11 @@ impl Rig {
 
     pub fn vertex_count(&self) -> usize {
         self.meshes.iter().map(Mesh::vertex_count).sum()
+    }
+
+    /// Those of all meshes, copies included.
+    pub fn draw_vertex_count(&self) -> usize {
+        self.meshes.iter().map(Mesh::draw_vertex_count).sum()
     }
 
     pub fn triangle_count(&self) -> usize {

@@ -187,9 +187,8 @@ fn shares(from: u32, to: u32) -> Vec<[(usize, f32); 3]> {
     (0..to).map(share).collect()
 }
 
-/// Of a channel with 255 for 1, also between two values (IEC 61966-2-1).
-fn linear_from_srgb(encoded: f64) -> f32 {
-    let encoded = encoded / 255.0;
+/// Of a channel from 0 to 1 (IEC 61966-2-1).
+pub fn linear_from_srgb(encoded: f64) -> f32 {
     let linear = if encoded <= 0.04045 {
         encoded / 12.92
     } else {
@@ -200,12 +199,13 @@ fn linear_from_srgb(encoded: f64) -> f32 {
 
 /// Of each of the 256 values of a channel (IEC 61966-2-1).
 pub static LINEAR_FROM_SRGB: LazyLock<[f32; 256]> =
-    LazyLock::new(|| std::array::from_fn(|encoded| linear_from_srgb(encoded as f64)));
+    LazyLock::new(|| std::array::from_fn(|encoded| linear_from_srgb(encoded as f64 / 255.0)));
 
 /// The nearest of the 256 values: the middle between two neighbours is where one gives way to the next.
 fn srgb(linear: f32) -> u8 {
-    static MIDDLES: LazyLock<[f32; 255]> =
-        LazyLock::new(|| std::array::from_fn(|below| linear_from_srgb(below as f64 + 0.5)));
+    static MIDDLES: LazyLock<[f32; 255]> = LazyLock::new(|| {
+        std::array::from_fn(|below| linear_from_srgb((below as f64 + 0.5) / 255.0))
+    });
     MIDDLES.partition_point(|middle| *middle <= linear) as u8
 }
 

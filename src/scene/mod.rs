@@ -144,7 +144,7 @@ impl Default for Background {
 /// The surface of everything drawn, for Blinn-Phong. What is given stands in place of what a file's material says.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Surface {
-    /// Where neither gives it, [`Surface::DIFFUSE`], or white under a texture.
+    /// Where neither gives it, [`Surface::DIFFUSE`], or white under a texture or colors of vertices.
     pub diffuse: Option<Color>,
     /// Where neither gives it, [`Surface::SPECULAR`].
     pub specular: Option<Color>,

@@ -123,29 +123,33 @@ impl Call {
         answer: &mut Option<Answer>,
     ) -> Result<(), Fault> {
         let rig = self.engine().rig(&params.rig)?.loaded.rig.clone();
-        let bytes = 12 * rig.triangle_count() + 8 * rig.vertex_count();
+        // Three vertices and at most three texture coordinates for each triangle.
+        let bytes = 36 * rig.triangle_count() + 8 * rig.vertex_count();
         let held = self.hold(BYTES_PER_BYTE * bytes as u64)?;
         let mut attachments = Attachments::default();
         let mut meshes = Vec::with_capacity(rig.meshes().len());
         for mesh in rig.meshes() {
             let (vertex_count, triangle_count) = (mesh.vertex_count(), mesh.triangles().len());
-            let corners = Numbers::Uint32(mesh.triangles().as_flattened().to_vec());
+            let corners = Numbers::Uint32(mesh.file_triangles().flatten().collect());
             let triangles = Blob::array(
                 corners,
                 &[triangle_count, 3],
                 params.transport,
                 &mut attachments,
             );
-            let texcoords = mesh.texcoords().map(|texcoords| {
-                let numbers =
-                    Numbers::Float32(texcoords.iter().flat_map(|uv| uv.to_array()).collect());
-                Blob::array(
-                    numbers,
-                    &[vertex_count, 2],
-                    params.transport,
-                    &mut attachments,
-                )
-            });
+            let mut blob = |texcoords: Vec<[f32; 2]>, shape: &[usize]| {
+                let numbers = Numbers::Float32(texcoords.into_flattened());
+                Blob::array(numbers, shape, params.transport, &mut attachments)
+            };
+            let (mut texcoords, mut corner_texcoords) = (None, None);
+            if let Some(shared) = mesh.shared_texcoords() {
+                let of_vertices = shared.iter().map(|texcoord| texcoord.to_array()).collect();
+                texcoords = Some(blob(of_vertices, &[vertex_count, 2]));
+            } else if let Some(all) = mesh.texcoords() {
+                let corners = mesh.triangles().as_flattened().iter();
+                let of_corners = corners.map(|&corner| all[corner as usize].to_array());
+                corner_texcoords = Some(blob(of_corners.collect(), &[triangle_count, 3, 2]));
+            }
             meshes.push(wire::MeshTopology {
                 name: mesh.name().to_owned(),
                 vertex_count: vertex_count as u64,
@@ -154,6 +158,7 @@ impl Call {
                 parts: describe::parts(&rig, mesh),
                 triangles,
                 texcoords,
+                corner_texcoords,
             });
         }
         if let Some(answer) = answer.take() {

@@ -46,7 +46,7 @@ impl Call {
         let (posed, clamped) = self.posed(&params.pose, &found)?;
         let clamped = describe::clamped(&rig, &clamped);
         // Skinned vertices are looked at and dropped, so none of them becomes text.
-        let (held, terms) = self.take_on(24 * rig.vertex_count() as u64)?;
+        let (held, terms) = self.take_on(24 * rig.draw_vertex_count() as u64)?;
         let Some(answer) = answer.take() else {
             return Ok(());
         };

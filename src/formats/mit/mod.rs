@@ -2,8 +2,11 @@
 //! Never lives here: other dialects that use the same extensions, and which mesh goes with which attachments.
 
 pub(super) mod attach;
-mod attribute;
+mod draw_vertices;
+pub(super) mod mention;
+pub(super) mod mtl;
 pub(super) mod obj;
+mod polygon;
 pub(super) mod skel;
 mod statements;
 #[cfg(test)]

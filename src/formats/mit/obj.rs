@@ -1,33 +1,45 @@
-//! Reads an OBJ as MIT 6.837 uses it: one mesh, whose vertices are the `v` lines in their order, for an `.attach` counts them.
-//! Never lives here: materials, and computing normals.
+//! Reads an OBJ: one mesh, whose vertices are the `v` lines in their order, for an `.attach` counts them.
+//! Never lives here: what a material looks like, and which vertices are drawn besides the file's own.
 //!
 //! No crate: `tobj` renumbers vertices by first use, `obj-rs` panics at curves, `wavefront_obj` splits objects; none tells a column.
 //!
 //! ```text
-//! obj    := (v | vt | vn | f | other)*                     one v at least
-//! v      := "v" x y z number{0,4}                          a weight or a colour, read over
-//! vt     := "vt" u [v [w]]                                 w is read over
+//! obj    := (v | vt | vn | f | s | mtllib | usemtl | other)*     one v at least
+//! v      := "v" x y z number{0,4}                                three of them or more are a color
+//! vt     := "vt" u [v [w]]                                       w is read over
 //! vn     := "vn" x y z
-//! f      := ("f" | "fo") corner corner corner corner*
-//! corner := vertex ["/" [texcoord] ["/" [normal]]]         counted from 1, or back from -1
+//! f      := ("f" | "fo") corner*
+//! corner := vertex ["/" [texcoord] ["/" [normal]]]               counted from 1, or back from -1
+//! s      := "s" (GROUP | "off")
+//! mtllib := "mtllib" FILE+
+//! usemtl := "usemtl" NAME
 //! ```
-//! Statements end with their line. A corner names what stands above it. Faces of more than three corners are cut into a fan, which
-//! is right for convex ones.
+//! Statements end with their line, and so do names. A corner names what stands above it.
 
 #[cfg(test)]
 mod tests;
 
-use super::attribute::Attribute;
-use super::statements::Statements;
+use super::draw_vertices::{DrawVertices, Look, Normal};
+use super::mention::{Mention, Mentions};
+use super::polygon::{self, Cutter, Misfit};
+use super::statements::{Statements, is_not_a_number};
 use crate::formats::error::{FileFault, LoadError, quoted};
 use crate::formats::lexer::{Lexer, Token};
 use crate::limits::Limits;
-use crate::rig::{MeshDraft, Warnings};
-use glam::{Vec2, Vec3};
+use crate::rig::{MeshDraft, PartDraft, Warnings, linear_from_srgb};
+use glam::{Vec2, Vec3, Vec4};
 
-/// Every index of the mesh is in range; it has no name, weights or material. Normals and texture coordinates are kept where each
-/// vertex has but one.
-///
+/// An OBJ as its file has it.
+#[derive(Debug)]
+pub(in crate::formats) struct Obj {
+    /// Every index of it is in range; it has no name and no weights. Materials of its parts are indices into `materials`.
+    pub mesh: MeshDraft,
+    /// Files of materials, in the order of the file.
+    pub libraries: Vec<Mention>,
+    /// Names of materials that faces have.
+    pub materials: Vec<Mention>,
+}
+
 /// # Errors
 /// [`LoadError::Invalid`] at the word or line end that does not fit, [`LoadError::Limit`] at the first vertex or triangle too many.
 pub(in crate::formats) fn read(
@@ -35,17 +47,24 @@ pub(in crate::formats) fn read(
     text: &str,
     limits: &Limits,
     warnings: &mut Warnings,
-) -> Result<MeshDraft, LoadError> {
+) -> Result<Obj, LoadError> {
     let mut reader = Reader {
-        statements: Statements {
-            lexer: Lexer::new(file, text),
-        },
+        statements: Statements::new(file, text),
         limits,
         positions: Vec::new(),
-        normals: Attribute::new(("normal", "normals")),
-        texcoords: Attribute::new(("texture coordinate", "texture coordinates")),
+        colors: Vec::new(),
+        normals: Vec::new(),
+        texcoords: Vec::new(),
+        draw_vertices: DrawVertices::default(),
         triangles: Vec::new(),
-        unknown: None,
+        parts: Vec::new(),
+        material: None,
+        smoothing: Smoothing::Unsaid,
+        libraries: Mentions::default(),
+        materials: Mentions::default(),
+        cutter: Cutter::new(),
+        face: Face::default(),
+        odd: Odd::default(),
     };
     reader.read_statements()?;
     reader.finish(warnings)
@@ -55,11 +74,116 @@ struct Reader<'a> {
     statements: Statements<'a>,
     limits: &'a Limits,
     positions: Vec<Vec3>,
-    normals: Attribute<'a, Vec3>,
-    texcoords: Attribute<'a, Vec2>,
+    /// Linear, one for each position up to the last that has one.
+    colors: Vec<Vec4>,
+    normals: Vec<Vec3>,
+    texcoords: Vec<Vec2>,
+    draw_vertices: DrawVertices,
+    /// Of draw vertices as [`DrawVertices::of_corner`] gives them.
     triangles: Vec<[u32; 3]>,
-    /// The first statement that is not read and not to be expected either.
+    parts: Vec<PartDraft>,
+    /// Of the faces that follow.
+    material: Option<usize>,
+    smoothing: Smoothing,
+    libraries: Mentions,
+    materials: Mentions,
+    cutter: Cutter,
+    face: Face,
+    odd: Odd<'a>,
+}
+
+/// How faces are lit whose corners have no normals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Smoothing {
+    /// Smoothly: many programs write no `s` at all.
+    Unsaid,
+    Off,
+    Group(u32),
+}
+
+/// The one that is being read; its memory is used again for the next one.
+#[derive(Debug, Default)]
+struct Face {
+    corners: Vec<Corner>,
+    positions: Vec<Vec3>,
+    draw_vertices: Vec<u32>,
+}
+
+/// Indices of what is in range.
+#[derive(Debug, Clone, Copy)]
+struct Corner {
+    vertex: u32,
+    texcoord: Option<usize>,
+    normal: Option<usize>,
+}
+
+/// Where something is for the first time that could be worked with, but should not be there.
+#[derive(Debug, Default)]
+struct Odd<'a> {
+    /// A statement that is not read and not to be expected either.
     unknown: Option<Token<'a>>,
+    not_a_number: Option<Token<'a>>,
+    color_out_of_range: Option<Token<'a>>,
+    no_texcoords: Option<Token<'a>>,
+    no_normals: Option<Token<'a>>,
+    too_few_corners: Option<Token<'a>>,
+    crosses_itself: Option<Token<'a>>,
+    too_much_work: Option<Token<'a>>,
+    group: Option<Token<'a>>,
+    nameless: Option<Token<'a>>,
+}
+
+impl Odd<'_> {
+    fn warn(&self, lexer: &Lexer, warnings: &mut Warnings) {
+        let mut told = [
+            (
+                self.unknown,
+                "is not read here; skipped, and its like as well",
+            ),
+            (
+                self.not_a_number,
+                "is no number; it is passed over, and its like as well",
+            ),
+            (
+                self.color_out_of_range,
+                "is no part of a color, which goes from 0 to 1; it is clamped, and its like as well",
+            ),
+            (
+                self.no_texcoords,
+                "names a texture coordinate, but there are none above; it is passed over, and its like as well",
+            ),
+            (
+                self.no_normals,
+                "names a normal, but there are none above; it is passed over, and its like as well",
+            ),
+            (
+                self.too_few_corners,
+                "has fewer than 3 corners; it is left out, and its like as well",
+            ),
+            (
+                self.crosses_itself,
+                "is a face that crosses itself; it is cut into a fan, and its like as well",
+            ),
+            (
+                self.too_much_work,
+                "is a concave face, and the file has more corners of such than are cut; it is cut into a fan, and its like as well",
+            ),
+            (
+                self.group,
+                "is no smoothing group; it is taken for `off`, and its like as well",
+            ),
+            (
+                self.nameless,
+                "names nothing; it is passed over, and its like as well",
+            ),
+        ];
+        told.sort_by_key(|(token, _)| token.map(|token| token.offset));
+        for (token, what) in told {
+            if let Some(token) = token {
+                warnings.push(|| format!("{}: {} {what}", lexer.place(token), quoted(token.text)));
+            }
+        }
+    }
 }
 
 impl<'a> Reader<'a> {
@@ -69,16 +193,24 @@ impl<'a> Reader<'a> {
             match keyword.text {
                 "" => return Ok(()),
                 "v" => self.read_position(keyword)?,
-                "vn" => {
-                    let normal = self.read_vector(keyword)?;
-                    self.normals.push(normal);
-                    self.read_line_end("`vn x y z`")?;
-                }
+                "vn" => self.read_normal(keyword)?,
                 "vt" => self.read_texcoord(keyword)?,
                 "f" | "fo" => self.read_face(keyword)?,
+                "s" => self.read_smoothing(keyword),
+                "usemtl" => match self.read_name(keyword) {
+                    Some(name) => {
+                        self.material = Some(self.materials.add(name, &self.statements.lexer));
+                    }
+                    None => self.material = None,
+                },
+                "mtllib" => {
+                    if let Some(name) = self.read_name(keyword) {
+                        self.libraries.add(name, &self.statements.lexer);
+                    }
+                }
                 text => {
                     if !is_read_over(text) {
-                        self.unknown.get_or_insert(keyword);
+                        self.odd.unknown.get_or_insert(keyword);
                     }
                     self.statements.skip_rest();
                 }
@@ -86,73 +218,122 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn finish(self, warnings: &mut Warnings) -> Result<MeshDraft, LoadError> {
+    fn finish(mut self, warnings: &mut Warnings) -> Result<Obj, LoadError> {
         let lexer = &self.statements.lexer;
         let end = lexer.peek();
         if self.positions.is_empty() {
             // A file of another kind is told at its first word, not only at its end.
-            return Err(lexer.fault(self.unknown.unwrap_or(end), "`v x y z`").into());
+            return Err(lexer
+                .fault(self.odd.unknown.unwrap_or(end), "`v x y z`")
+                .into());
         }
-        if let Some(word) = self.unknown {
+        self.odd.warn(lexer, warnings);
+        if let Some(glued) = self.statements.glued {
             warnings.push(|| {
-                let (place, word) = (lexer.place(word), quoted(word.text));
-                format!("{place}: skipped {word}, which is not read here, and its like")
+                let (place, word) = (lexer.place(glued), quoted(glued.text));
+                format!("{place}: {word} ends in a comment, and its like as well")
             });
         }
         if self.triangles.is_empty() {
             warnings.push(|| format!("{}: there are no faces", lexer.place(end)));
         }
         let vertex_count = self.positions.len();
-        Ok(MeshDraft {
-            normals: self.normals.finish(vertex_count, lexer, warnings),
-            texcoords: self.texcoords.finish(vertex_count, lexer, warnings),
-            positions: self.positions,
-            triangles: self.triangles,
-            ..MeshDraft::default()
+        let split = self.draw_vertices.finish(vertex_count, &mut self.triangles);
+        let colors = (!self.colors.is_empty()).then(|| {
+            let mut colors = self.colors;
+            colors.resize(vertex_count, Vec4::ONE);
+            let of_copies = split.copies.iter();
+            let of_copies: Vec<_> = of_copies.map(|&vertex| colors[vertex as usize]).collect();
+            colors.extend(of_copies);
+            colors
+        });
+        Ok(Obj {
+            mesh: MeshDraft {
+                positions: self.positions,
+                copies: split.copies,
+                normals: split.normals,
+                texcoords: split.texcoords,
+                colors,
+                triangles: self.triangles,
+                parts: self.parts,
+                ..MeshDraft::default()
+            },
+            libraries: self.libraries.into_inner(),
+            materials: self.materials.into_inner(),
         })
     }
 
     fn read_position(&mut self, keyword: Token<'a>) -> Result<(), LoadError> {
-        /// `w` of a rational curve, and a colour that some programs write: `v x y z w r g b` at the longest.
+        /// Red, green, blue and opacity, or a `w` of a rational curve before the three.
         const SURPLUS: usize = 4;
         self.limits.vertices(self.positions.len() + 1)?;
-        let position = self.read_vector(keyword)?;
-        self.positions.push(position);
-        for _ in 0..SURPLUS {
-            if self.read_optional(keyword)?.is_none() {
-                return Ok(());
-            }
+        let mut position = Vec3::ZERO;
+        for axis in 0..3 {
+            let word = self.statements.next_value();
+            position[axis] = self.number_at(word, keyword)?;
         }
-        Ok(self.read_line_end("at most 7 numbers")?)
+        let mut surplus = [0.0; SURPLUS];
+        let mut count = 0;
+        let word = loop {
+            let word = self.statements.next_value();
+            if word.ends_line() || count == SURPLUS {
+                break word;
+            }
+            surplus[count] = self.channel_at(word, keyword)?;
+            count += 1;
+        };
+        self.positions.push(position);
+        if let [r, g, b, ..] = surplus[..count] {
+            self.colors.resize(self.positions.len() - 1, Vec4::ONE);
+            self.colors.push(Vec3::new(r, g, b).extend(1.0));
+        }
+        Ok(self.check_line_end(word, "at most 7 numbers")?)
+    }
+
+    /// A channel of a color, linear. What is no number leaves the color as it is without it.
+    fn channel_at(&mut self, word: Token<'a>, keyword: Token<'a>) -> Result<f32, FileFault> {
+        let channel = self.loose_number_at(word, keyword)?.unwrap_or(1.0);
+        if !(0.0..=1.0).contains(&channel) {
+            self.odd.color_out_of_range.get_or_insert(word);
+        }
+        Ok(linear_from_srgb(channel.clamp(0.0, 1.0).into()))
+    }
+
+    fn read_normal(&mut self, keyword: Token<'a>) -> Result<(), FileFault> {
+        let mut normal = Vec3::ZERO;
+        for axis in 0..3 {
+            let word = self.statements.next_value();
+            normal[axis] = self.loose_number_at(word, keyword)?.unwrap_or(0.0);
+        }
+        self.normals.push(normal);
+        let word = self.statements.next_value();
+        self.check_line_end(word, "`vn x y z`")
     }
 
     fn read_texcoord(&mut self, keyword: Token<'a>) -> Result<(), FileFault> {
-        let u = self.read_number(keyword)?;
-        let v = self.read_optional(keyword)?;
-        self.texcoords.push(Vec2::new(u, v.unwrap_or(0.0)));
-        if v.is_none() || self.read_optional(keyword)?.is_none() {
-            return Ok(());
+        let word = self.statements.next_value();
+        let mut texcoord = Vec2::new(self.loose_number_at(word, keyword)?.unwrap_or(0.0), 0.0);
+        let mut word = self.statements.next_value();
+        if !word.ends_line() {
+            texcoord.y = self.loose_number_at(word, keyword)?.unwrap_or(0.0);
+            word = self.statements.next_value();
         }
-        self.read_line_end("`vt u v w`")
-    }
-
-    fn read_vector(&mut self, keyword: Token<'a>) -> Result<Vec3, FileFault> {
-        let mut vector = Vec3::ZERO;
-        for axis in 0..3 {
-            vector[axis] = self.read_number(keyword)?;
+        if !word.ends_line() {
+            self.loose_number_at(word, keyword)?;
+            word = self.statements.next_value();
         }
-        Ok(vector)
+        self.texcoords.push(texcoord);
+        self.check_line_end(word, "`vt u v w`")
     }
 
-    fn read_number(&mut self, keyword: Token<'a>) -> Result<f32, FileFault> {
-        let word = self.statements.next_word();
-        self.number_at(word, keyword)
-    }
-
-    /// `None` where the line ends.
-    fn read_optional(&mut self, keyword: Token<'a>) -> Result<Option<f32>, FileFault> {
-        let word = self.statements.next_word();
-        if word.ends_line() {
+    /// `None` of what programs print for a number that is none.
+    fn loose_number_at(
+        &mut self,
+        word: Token<'a>,
+        keyword: Token<'a>,
+    ) -> Result<Option<f32>, FileFault> {
+        if is_not_a_number(word) {
+            self.odd.not_a_number.get_or_insert(word);
             return Ok(None);
         }
         self.number_at(word, keyword).map(Some)
@@ -164,8 +345,7 @@ impl<'a> Reader<'a> {
         Ok(number as f32)
     }
 
-    fn read_line_end(&mut self, after: &str) -> Result<(), FileFault> {
-        let word = self.statements.next_word();
+    fn check_line_end(&self, word: Token<'a>, after: &str) -> Result<(), FileFault> {
         if word.ends_line() {
             return Ok(());
         }
@@ -173,46 +353,128 @@ impl<'a> Reader<'a> {
         Err(self.statements.lexer.fault(word, expected))
     }
 
+    fn read_name(&mut self, keyword: Token<'a>) -> Option<Token<'a>> {
+        let name = self.statements.rest();
+        if name.is_none() {
+            self.odd.nameless.get_or_insert(keyword);
+        }
+        name
+    }
+
+    fn read_smoothing(&mut self, keyword: Token<'a>) {
+        let word = self.statements.next_value();
+        self.smoothing = match (word.text, word.text.parse()) {
+            ("off", _) | (_, Ok(0)) => Smoothing::Off,
+            ("on", _) => Smoothing::Group(1),
+            (_, Ok(group)) => Smoothing::Group(group),
+            (_, Err(_)) => {
+                let odd = if word.ends_line() { keyword } else { word };
+                self.odd.group.get_or_insert(odd);
+                Smoothing::Off
+            }
+        };
+        if !word.ends_line() {
+            self.statements.skip_rest();
+        }
+    }
+
     fn read_face(&mut self, keyword: Token<'a>) -> Result<(), LoadError> {
-        let mut corners = 0_usize;
-        let (mut first, mut last) = (0, 0);
+        let mut face = std::mem::take(&mut self.face);
+        face.corners.clear();
         loop {
-            let word = self.statements.next_word();
+            let word = self.statements.next_value();
             if word.ends_line() {
-                break self.check_corners(corners, word, keyword);
+                break;
             }
-            let vertex = self.read_corner(word)?;
-            if corners == 0 {
-                first = vertex;
-            } else if corners > 1 {
-                self.limits.triangles(self.triangles.len() + 1)?;
-                self.triangles.push([first, last, vertex]);
-            }
-            last = vertex;
-            corners += 1;
+            face.corners.push(self.read_corner(word)?);
+            // A triangle for each corner after the second.
+            let triangles = self.triangles.len() + face.corners.len().saturating_sub(2);
+            self.limits.triangles(triangles)?;
         }
+        if face.corners.len() < 3 {
+            self.odd.too_few_corners.get_or_insert(keyword);
+        } else {
+            self.add_face(&mut face, keyword)?;
+        }
+        self.face = face;
+        Ok(())
     }
 
-    fn check_corners(
-        &self,
-        corners: usize,
-        line_end: Token<'a>,
-        keyword: Token<'a>,
-    ) -> Result<(), LoadError> {
-        if corners >= 3 {
-            return Ok(());
+    fn add_face(&mut self, face: &mut Face, keyword: Token<'a>) -> Result<(), LoadError> {
+        let Face {
+            corners,
+            positions,
+            draw_vertices,
+        } = face;
+        positions.clear();
+        let position = |corner: &Corner| self.positions[corner.vertex as usize];
+        positions.extend(corners.iter().map(position));
+        let smooth = match self.smoothing {
+            Smoothing::Unsaid | Smoothing::Off => Normal::Smooth,
+            Smoothing::Group(group) => {
+                let area_vector = polygon::area_vector(positions);
+                for corner in corners.iter().filter(|corner| corner.normal.is_none()) {
+                    self.draw_vertices
+                        .add_to_group(corner.vertex, group, area_vector);
+                }
+                Normal::OfGroup(group)
+            }
+        };
+        draw_vertices.clear();
+        for corner in &*corners {
+            let given = corner.normal.map(|index| self.normals[index]);
+            let look = Look {
+                texcoord: corner.texcoord.map(|index| self.texcoords[index]),
+                // One of no length says nothing.
+                normal: match given.filter(|normal| *normal != Vec3::ZERO) {
+                    Some(normal) => Normal::Given(normal),
+                    None => smooth,
+                },
+            };
+            let of_file = self.positions.len();
+            let drawn = &mut self.draw_vertices;
+            draw_vertices.push(drawn.of_corner(corner.vertex, look, of_file, self.limits)?);
         }
-        let expected = format!("at least 3 corners after `{}`", keyword.text);
-        let found = corners.to_string();
-        Err(self
-            .statements
-            .lexer
-            .fault_found(line_end, expected, found)
-            .into())
+        let before = self.triangles.len();
+        if let [a, b, c] = draw_vertices[..] {
+            self.triangles.push([a, b, c]);
+        } else {
+            self.cut(positions, draw_vertices, keyword);
+        }
+        let has_normals = corners.iter().any(|corner| corner.normal.is_some());
+        let part = PartDraft {
+            triangle_count: self.triangles.len() - before,
+            material: self.material,
+            is_flat: self.smoothing == Smoothing::Off && !has_normals,
+        };
+        match self.parts.last_mut() {
+            Some(last) if (last.material, last.is_flat) == (part.material, part.is_flat) => {
+                last.triangle_count += part.triangle_count;
+            }
+            _ => self.parts.push(part),
+        }
+        Ok(())
     }
 
-    /// The vertex of a corner; what else it names is noted.
-    fn read_corner(&mut self, word: Token<'a>) -> Result<u32, FileFault> {
+    fn cut(&mut self, positions: &[Vec3], draw_vertices: &[u32], keyword: Token<'a>) {
+        let numbered = |triangle: [usize; 3]| triangle.map(|corner| draw_vertices[corner]);
+        let misfit = match self.cutter.cut(positions) {
+            Ok(triangles) => {
+                self.triangles.extend(triangles.into_iter().map(numbered));
+                return;
+            }
+            Err(misfit) => misfit,
+        };
+        let odd = match misfit {
+            Misfit::CrossesItself => &mut self.odd.crosses_itself,
+            Misfit::TooMuchWork => &mut self.odd.too_much_work,
+        };
+        odd.get_or_insert(keyword);
+        let fan = polygon::fan(positions.len());
+        self.triangles.extend(fan.map(numbered));
+    }
+
+    fn read_corner(&mut self, word: Token<'a>) -> Result<Corner, FileFault> {
         let mut offset = word.offset;
         let mut parts = word.text.split('/').map(|text| {
             let part = Token { text, offset };
@@ -225,24 +487,28 @@ impl<'a> Reader<'a> {
             return Err(self.statements.lexer.fault(word, expected));
         }
         let present = |part: Option<Token<'a>>| part.filter(|part| !part.text.is_empty());
-        let vertex = self.index_at(
-            present(vertex).unwrap_or(word),
-            self.positions.len(),
-            "vertices",
-        )?;
-        let texcoord = present(texcoord)
-            .map(|part| self.index_at(part, self.texcoords.value_count(), self.texcoords.many()))
-            .transpose()?;
-        let normal = present(normal)
-            .map(|part| self.index_at(part, self.normals.value_count(), self.normals.many()))
-            .transpose()?;
-        self.texcoords.note(vertex, texcoord, word);
-        self.normals.note(vertex, normal, word);
-        Ok(vertex)
+        let vertex = present(vertex).unwrap_or(word);
+        let vertex = self.index_at(vertex, self.positions.len(), "vertices")?;
+        let mut texcoord = present(texcoord);
+        if self.texcoords.is_empty() && texcoord.take().is_some() {
+            self.odd.no_texcoords.get_or_insert(word);
+        }
+        let mut normal = present(normal);
+        if self.normals.is_empty() && normal.take().is_some() {
+            self.odd.no_normals.get_or_insert(word);
+        }
+        let texcoord_at = |part| self.index_at(part, self.texcoords.len(), "texture coordinates");
+        let normal_at = |part| self.index_at(part, self.normals.len(), "normals");
+        Ok(Corner {
+            // `limits.vertices` counts them all.
+            vertex: vertex as u32,
+            texcoord: texcoord.map(texcoord_at).transpose()?,
+            normal: normal.map(normal_at).transpose()?,
+        })
     }
 
     /// The index from 0 that `part` stands for, where `count` things are above it.
-    fn index_at(&self, part: Token<'a>, count: usize, many: &str) -> Result<u32, FileFault> {
+    fn index_at(&self, part: Token<'a>, count: usize, many: &str) -> Result<usize, FileFault> {
         let index = part.text.parse().ok().and_then(|told: isize| {
             if told < 0 {
                 count.checked_add_signed(told)
@@ -250,21 +516,17 @@ impl<'a> Reader<'a> {
                 told.unsigned_abs().checked_sub(1)
             }
         });
-        index
-            .filter(|&index| index < count)
-            .and_then(|index| u32::try_from(index).ok())
-            .ok_or_else(|| {
-                let expected = format!("one of the {count} {many} above, counted from 1");
-                self.statements.lexer.fault(part, expected)
-            })
+        index.filter(|&index| index < count).ok_or_else(|| {
+            let expected = format!("one of the {count} {many} above, counted from 1");
+            self.statements.lexer.fault(part, expected)
+        })
     }
 }
 
-/// What a file for many purposes may well hold and a skinned mesh has no use for. Not here: curved surfaces and what calls other
-/// files, for without them something of the model is missing.
+/// What a file for many purposes may well hold and a skinned mesh has no use for. Not here: curved surfaces, maps of materials' own and
+/// what calls other files, for without them something of the model is missing.
 fn is_read_over(keyword: &str) -> bool {
-    const NAMES_AND_GROUPS: &[&str] = &["o", "g", "s", "mg"];
-    const MATERIALS: &[&str] = &["mtllib", "usemtl", "maplib", "usemap"];
+    const NAMES_AND_GROUPS: &[&str] = &["o", "g", "mg"];
     const POINTS_AND_LINES: &[&str] = &["p", "l", "vp"];
     const DISPLAY: &[&str] = &[
         "bevel",
@@ -274,7 +536,7 @@ fn is_read_over(keyword: &str) -> bool {
         "shadow_obj",
         "trace_obj",
     ];
-    [NAMES_AND_GROUPS, MATERIALS, POINTS_AND_LINES, DISPLAY]
+    [NAMES_AND_GROUPS, POINTS_AND_LINES, DISPLAY]
         .iter()
         .any(|keywords| keywords.contains(&keyword))
 }

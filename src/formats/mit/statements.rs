@@ -1,4 +1,4 @@
-//! Words of an OBJ file, line by line, without its comments and with its continued lines joined.
+//! Words of an OBJ file and its material libraries, line by line, without comments and with continued lines joined.
 //! Never lives here: what any statement means.
 
 use crate::formats::lexer::{Lexer, Token};
@@ -8,9 +8,18 @@ use crate::formats::lexer::{Lexer, Token};
 #[derive(Debug)]
 pub(super) struct Statements<'a> {
     pub lexer: Lexer<'a>,
+    /// The first value that a comment is glued to.
+    pub glued: Option<Token<'a>>,
 }
 
 impl<'a> Statements<'a> {
+    pub(super) fn new(file: &'a str, text: &'a str) -> Self {
+        Self {
+            lexer: Lexer::new(file, text),
+            glued: None,
+        }
+    }
+
     /// The next statement's first word, or the end of the file. What is left of the statement before must have been taken.
     pub(super) fn next(&mut self) -> Token<'a> {
         loop {
@@ -42,6 +51,39 @@ impl<'a> Statements<'a> {
         }
     }
 
+    /// [`Statements::next_word`] where a number or a corner is due: neither has a `#` in it, so that a comment starts there.
+    pub(super) fn next_value(&mut self) -> Token<'a> {
+        let word = self.next_word();
+        match word.text.find('#').filter(|_| !is_not_a_number(word)) {
+            Some(end) => {
+                self.glued.get_or_insert(word);
+                self.lexer = self.lexer.from(word.offset + end);
+                Token {
+                    text: &word.text[..end],
+                    ..word
+                }
+            }
+            None => word,
+        }
+    }
+
+    /// What is left of the line as one name, which may have spaces in it; `None` where nothing is.
+    pub(super) fn rest(&mut self) -> Option<Token<'a>> {
+        let first = self.next_word();
+        if first.ends_line() {
+            return None;
+        }
+        let mut end = first.offset + first.text.len();
+        loop {
+            let word = self.next_word();
+            if word.ends_line() {
+                let text = self.lexer.slice(first.offset..end);
+                return Some(Token { text, ..first });
+            }
+            end = word.offset + word.text.len();
+        }
+    }
+
     pub(super) fn skip_rest(&mut self) {
         while !self.next_word().ends_line() {}
     }
@@ -55,4 +97,14 @@ impl<'a> Statements<'a> {
             }
         }
     }
+}
+
+/// Whether a word is what programs print for a number that is none, or for one without bound: `nan`, `-inf`, `1.#IND`.
+pub(super) fn is_not_a_number(word: Token) -> bool {
+    let unsigned = word.text.trim_start_matches(['-', '+']);
+    let starts = |with: &str| {
+        let start = unsigned.get(..with.len());
+        start.is_some_and(|start| start.eq_ignore_ascii_case(with))
+    };
+    ["nan", "inf", "1.#"].into_iter().any(starts)
 }

@@ -312,7 +312,8 @@ fn the_courses_own_models_are_read_whole() {
         };
         let (limits, mut warnings) = (Limits::default(), Warnings::default());
         let (joints, _) = skel(&skeleton).expect("it is a skeleton");
-        let mesh = obj::read("a.obj", &mesh, &limits, &mut warnings).expect("it is a mesh");
+        let obj = obj::read("a.obj", &mesh, &limits, &mut warnings).expect("it is a mesh");
+        let mesh = obj.mesh;
         let to = AttachedTo {
             mesh_file: "a.obj",
             vertex_count: mesh.positions.len(),

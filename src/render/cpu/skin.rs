@@ -8,13 +8,13 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f32x4};
 use glam::Vec4;
 
-/// Positions and unit normals in world space, of every vertex of `mesh` in its own order. `palette` and `morph_weights` are of its rig.
+/// Positions and unit normals in world space, of every draw vertex of `mesh` in its own order. `palette` and `morph_weights` are of its rig.
 pub fn skin_mesh(
     mesh: &Mesh,
     palette: &Palette,
     morph_weights: &[f32],
 ) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
-    let mut positions = vec![[0.0; 3]; mesh.vertex_count()];
+    let mut positions = vec![[0.0; 3]; mesh.draw_vertex_count()];
     let mut normals = positions.clone();
     let job = SkinJob {
         mesh,

@@ -28,7 +28,7 @@ impl Cpu {
     pub fn skin(&self, instances: &[Instance], spread: Spread<'_>) -> Option<Skinned> {
         let mut vertices = self.skins.take();
         let all = meshes(instances)
-            .map(|(_, _, mesh)| mesh.vertex_count())
+            .map(|(_, _, mesh)| mesh.draw_vertex_count())
             .sum();
         let Vertices { positions, normals } = &mut *vertices;
         positions.resize(all, [0.0; 3]);
@@ -61,7 +61,7 @@ pub(super) fn in_order(
 ) -> impl Iterator<Item = ([usize; 2], &Instance, &Mesh, Range<usize>)> {
     let mut first = 0;
     meshes(instances).map(move |(at, instance, mesh)| {
-        let own = first..first + mesh.vertex_count();
+        let own = first..first + mesh.draw_vertex_count();
         first = own.end;
         (at, instance, mesh, own)
     })

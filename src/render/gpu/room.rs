@@ -37,7 +37,7 @@ fn bytes(plan: &Plan, beside: &[&Plan]) -> u64 {
     let skin = skin.map(|instance| {
         let rig = instance.rig();
         let palette = rig.bindings().len() * size_of::<SkinDualQuaternion>();
-        24 * rig.vertex_count() + palette + 4 * instance.morph_weights().len()
+        24 * rig.draw_vertex_count() + palette + 4 * instance.morph_weights().len()
     });
     let outcome = match &plan.wanted {
         Wanted::Picture(picture) => {

@@ -15,7 +15,7 @@ use wgpu::{BindGroup, Buffer, BufferUsages};
 
 /// The parts of a rig that never change.
 pub(super) struct GpuRig {
-    /// Which of its vertices are those of each mesh.
+    /// Which of its draw vertices are those of each mesh.
     pub vertices: Vec<Range<u32>>,
     pub vertex_count: u32,
     /// What the skin stage reads: bind vertices, influences, morph displacements.
@@ -90,7 +90,7 @@ impl GpuRig {
         let mut vertex_count = 0;
         let vertices = meshes.iter().map(|mesh| {
             let first = vertex_count;
-            vertex_count += mesh.vertex_count() as u32;
+            vertex_count += mesh.draw_vertex_count() as u32;
             first..vertex_count
         });
         let vertices: Vec<_> = vertices.collect();
@@ -203,7 +203,7 @@ fn starts<'a>(meshes: &'a [Mesh], of: impl Fn(&'a Mesh) -> (&'a [u32], usize)) -
     let mut before = 0;
     for mesh in meshes {
         let (starts, count) = of(mesh);
-        let own = (0..mesh.vertex_count()).map(|vertex| starts.get(vertex).copied());
+        let own = (0..mesh.draw_vertex_count()).map(|vertex| starts.get(vertex).copied());
         joined.extend(own.map(|start| before + start.unwrap_or(0)));
         before += count as u32;
     }
@@ -221,7 +221,7 @@ fn of_vertices<'a, T: Copy + 'a>(
     for mesh in meshes {
         match of(mesh) {
             Some(own) => joined.extend_from_slice(own),
-            None => joined.resize(joined.len() + mesh.vertex_count(), otherwise),
+            None => joined.resize(joined.len() + mesh.draw_vertex_count(), otherwise),
         }
     }
     joined

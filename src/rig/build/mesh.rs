@@ -30,7 +30,10 @@ impl MeshBuild<'_> {
         let (influence_starts, influences) = self.build_influences(&name, bindings);
         let normals = self.build_normals();
         let parts = self.build_parts();
-        let mesh = self.mesh;
+        let mut mesh = self.mesh;
+        for &original in &mesh.copies {
+            mesh.positions.push(mesh.positions[original as usize]);
+        }
         let draw_triangles = mesh
             .triangles
             .iter()
@@ -40,6 +43,7 @@ impl MeshBuild<'_> {
             name,
             has_negative_weights: influences.iter().any(|influence| influence.weight < 0.0),
             positions: mesh.positions,
+            copies: mesh.copies,
             normals,
             texcoords: mesh.texcoords,
             colors: mesh.colors,
@@ -58,6 +62,7 @@ impl MeshBuild<'_> {
 
     fn check_counts(&self) -> Result<(), RigError> {
         let vertices = self.mesh.positions.len();
+        let draw_vertices = vertices + self.mesh.copies.len();
         let claimed: usize = self
             .mesh
             .influence_counts
@@ -65,18 +70,28 @@ impl MeshBuild<'_> {
             .map(|&count| count as usize)
             .sum();
         let counts = [
-            ("normals", self.mesh.normals.as_ref().map(Vec::len)),
+            (
+                "normals",
+                draw_vertices,
+                self.mesh.normals.as_ref().map(Vec::len),
+            ),
             (
                 "texture coordinates",
+                draw_vertices,
                 self.mesh.texcoords.as_ref().map(Vec::len),
             ),
-            ("vertex colors", self.mesh.colors.as_ref().map(Vec::len)),
+            (
+                "vertex colors",
+                draw_vertices,
+                self.mesh.colors.as_ref().map(Vec::len),
+            ),
             (
                 "lists of influences",
+                vertices,
                 Some(self.mesh.influence_counts.len()).filter(|&count| count > 0),
             ),
         ];
-        for (what, found) in counts {
+        for (what, vertices, found) in counts {
             if let Some(found) = found.filter(|&found| found != vertices) {
                 return Err(RigError::CountsDiffer {
                     mesh: self.index,
@@ -162,12 +177,19 @@ impl MeshBuild<'_> {
             })
         };
         let vertex_count = self.mesh.positions.len();
+        for (index, &original) in self.mesh.copies.iter().enumerate() {
+            if original as usize >= vertex_count {
+                return out_of_range("copy", index, "vertex", original as usize, vertex_count);
+            }
+        }
+        let draw_vertex_count = vertex_count + self.mesh.copies.len();
         for (index, triangle) in self.mesh.triangles.iter().enumerate() {
             if let Some(&vertex) = triangle
                 .iter()
-                .find(|&&vertex| vertex as usize >= vertex_count)
+                .find(|&&vertex| vertex as usize >= draw_vertex_count)
             {
-                return out_of_range("triangle", index, "vertex", vertex as usize, vertex_count);
+                let found = vertex as usize;
+                return out_of_range("triangle", index, "vertex", found, draw_vertex_count);
             }
         }
         for (index, &(binding, _)) in self.mesh.influences.iter().enumerate() {
@@ -300,6 +322,11 @@ impl MeshBuild<'_> {
             }
             starts.push(influences.len() as u32);
         }
+        for &original in &self.mesh.copies {
+            let original = original as usize;
+            influences.extend_from_within(starts[original] as usize..starts[original + 1] as usize);
+            starts.push(influences.len() as u32);
+        }
         if off_sums > 0 {
             self.warnings
                 .push(|| format!("mesh `{name}`: the weights of {off_sums} vertices do not sum to 1; divided by their sum"));
@@ -318,13 +345,22 @@ impl MeshBuild<'_> {
         if let Some(usable) = given.as_ref().and_then(directions) {
             return usable;
         }
-        let mut computed = vec![Vec3::ZERO; self.mesh.positions.len()];
-        for &triangle in &self.mesh.triangles {
+        let (vertex_count, copies) = (self.mesh.positions.len(), &self.mesh.copies);
+        let original = |vertex: u32| match (vertex as usize).checked_sub(vertex_count) {
+            Some(copy) => copies[copy],
+            None => vertex,
+        };
+        let mut computed = vec![Vec3::ZERO; vertex_count];
+        for triangle in &self.mesh.triangles {
+            let triangle = triangle.map(original);
             // Twice the triangle's area long, which is the weight that is wanted.
             let area_vector = face_vector(triangle, &self.mesh.positions);
             for corner in triangle {
                 computed[corner as usize] += area_vector;
             }
+        }
+        for &original in copies {
+            computed.push(computed[original as usize]);
         }
         let normals = given.unwrap_or_else(|| vec![Vec3::ZERO; computed.len()]);
         normals
@@ -336,6 +372,13 @@ impl MeshBuild<'_> {
             })
             .collect()
     }
+}
+
+/// How many influences the copies of a mesh have.
+pub(super) fn influences_of_copies(mesh: &MeshDraft) -> usize {
+    let count = |original: &u32| mesh.influence_counts.get(*original as usize);
+    let counts = mesh.copies.iter().filter_map(count);
+    counts.map(|&count| count as usize).sum()
 }
 
 /// Of a vector of any length but 0, also where its square is too small for f32.

@@ -28,7 +28,7 @@ impl Draft {
         limits.vertices(
             self.meshes
                 .iter()
-                .map(|mesh| mesh.positions.len())
+                .map(|mesh| mesh.positions.len() + mesh.copies.len())
                 .sum::<usize>(),
         )?;
         limits.triangles(
@@ -40,7 +40,7 @@ impl Draft {
         limits.influences(
             self.meshes
                 .iter()
-                .map(|mesh| mesh.influences.len())
+                .map(|mesh| mesh.influences.len() + mesh::influences_of_copies(mesh))
                 .sum::<usize>(),
         )?;
 

@@ -57,18 +57,24 @@ pub(super) fn build(
         }
         // Stable: targets stay in load order, so that sums are the same everywhere.
         of_mesh.sort_by_key(|(vertex, _)| *vertex);
-        let mut starts = vec![0u32; mesh.positions.len() + 1];
+        let mut starts = vec![0u32; mesh.vertex_count() + 1];
         for (vertex, _) in &of_mesh {
             starts[*vertex as usize + 1] += 1;
         }
         for vertex in 1..starts.len() {
             starts[vertex] += starts[vertex - 1];
         }
+        let displacements = of_mesh.into_iter().map(|(_, displacement)| displacement);
+        let mut displacements: Vec<_> = displacements.collect();
+        for &original in &mesh.copies {
+            let original = original as usize;
+            let own = starts[original] as usize..starts[original + 1] as usize;
+            limits.morph_displacements(displacements.len() + own.len())?;
+            displacements.extend_from_within(own);
+            starts.push(displacements.len() as u32);
+        }
         mesh.morph_starts = starts;
-        mesh.morph_displacements = of_mesh
-            .into_iter()
-            .map(|(_, displacement)| displacement)
-            .collect();
+        mesh.morph_displacements = displacements;
     }
     Ok(morphs)
 }
@@ -79,8 +85,9 @@ fn displacements(
     draft: &MorphDraft,
     mesh: &Mesh,
 ) -> Result<Vec<(u32, MorphDisplacement)>, RigError> {
-    let positions = ordered(morph, draft, &draft.positions, &mesh.positions)?;
-    let normals = ordered(morph, draft, &draft.normals, &mesh.normals)?;
+    let of_file = ..mesh.vertex_count();
+    let positions = ordered(morph, draft, &draft.positions, &mesh.positions[of_file])?;
+    let normals = ordered(morph, draft, &draft.normals, &mesh.normals[of_file])?;
     let (mut positions, mut normals) = (
         positions.into_iter().peekable(),
         normals.into_iter().peekable(),
@@ -144,7 +151,8 @@ fn ordered(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rig::{Draft, MeshDraft};
+    use crate::rig::{BindPose, BindingDraft, Draft, JointDraft, MeshDraft};
+    use glam::DAffine3;
 
     fn triangle() -> MeshDraft {
         MeshDraft {
@@ -199,6 +207,84 @@ mod tests {
             .map(|dof| dof.name.as_str())
             .collect();
         assert_eq!(names, ["morph.morph_0", "morph.smile"]);
+    }
+
+    #[test]
+    fn a_copy_follows_and_changes_as_its_vertex_does() {
+        let mesh = || MeshDraft {
+            copies: vec![2, 0],
+            normals: Some(vec![Vec3::Z, Vec3::Z, Vec3::ZERO, Vec3::X, Vec3::ZERO]),
+            triangles: vec![[0, 1, 3], [4, 1, 2]],
+            influence_counts: vec![1, 1, 2],
+            influences: vec![(0, 1.0), (1, 1.0), (0, 0.75), (1, 0.25)],
+            ..triangle()
+        };
+        let joint = |parent| JointDraft {
+            parent,
+            ..JointDraft::default()
+        };
+        let binding = |joint| BindingDraft {
+            joint: Some(joint),
+            stood: BindPose::JointFromBind(DAffine3::IDENTITY),
+        };
+        let built = |mesh, limits| {
+            let moved = MorphDraft {
+                positions: vec![(2, Vec3::Y * 3.0), (1, Vec3::ZERO)],
+                ..MorphDraft::default()
+            };
+            let draft = Draft {
+                joints: vec![joint(None), joint(Some(0))],
+                bindings: vec![binding(0), binding(1)],
+                meshes: vec![mesh],
+                morphs: vec![moved],
+                ..Draft::default()
+            };
+            draft.build(&limits)
+        };
+        let rig = built(mesh(), Limits::default()).expect("it is right");
+        let of_rig = &rig.meshes()[0];
+        assert_eq!((rig.vertex_count(), rig.draw_vertex_count()), (3, 5));
+        assert_eq!(rig.morphs()[0].vertex_count, 2);
+        let file_triangles: Vec<_> = of_rig.file_triangles().collect();
+        assert_eq!(file_triangles, [[0, 1, 2], [0, 1, 2]]);
+        for (copy, original) in [(3, 2), (4, 0)] {
+            let moved = |vertex| of_rig.morph_displacements_of(vertex);
+            assert_eq!(moved(copy), moved(original));
+            let influences = |vertex| of_rig.influences_of(vertex);
+            assert_eq!(influences(copy), influences(original));
+            assert_eq!(of_rig.positions()[copy], of_rig.positions()[original]);
+        }
+        // Computed of what is around the vertex, whichever of its copies that is drawn with.
+        let normals = [Vec3::Z, Vec3::Z, Vec3::Z, Vec3::X, Vec3::Z];
+        assert_eq!(of_rig.normals(), normals);
+
+        let limits = Limits {
+            vertices: 4,
+            ..Limits::default()
+        };
+        assert!(matches!(built(mesh(), limits), Err(RigError::Limit(_))));
+        let limits = Limits {
+            influences: 6,
+            ..Limits::default()
+        };
+        assert!(matches!(built(mesh(), limits), Err(RigError::Limit(_))));
+        let limits = Limits {
+            morph_displacements: 2,
+            ..Limits::default()
+        };
+        assert!(matches!(built(mesh(), limits), Err(RigError::Limit(_))));
+        let no_such = MeshDraft {
+            copies: vec![2, 3],
+            ..mesh()
+        };
+        let found = built(no_such, Limits::default());
+        assert!(matches!(found, Err(RigError::OutOfRange { found: 3, .. })));
+        let too_few = MeshDraft {
+            normals: Some(vec![Vec3::Z; 3]),
+            ..mesh()
+        };
+        let found = built(too_few, Limits::default());
+        assert!(matches!(found, Err(RigError::CountsDiffer { .. })));
     }
 
     #[test]
