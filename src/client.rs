@@ -394,7 +394,12 @@ mod tests {
     fn an_error_of_the_server_is_told_from_one_of_the_connection() {
         let (mut client, _server) = client_of(|request, _| {
             let rig = "wasp".to_owned();
-            error_line(id(&request), &Fault::RigNotLoaded { rig }.into())
+            let fault = Fault::RigNotLoaded {
+                rig,
+                nearest: None,
+                loaded: Vec::new(),
+            };
+            error_line(id(&request), &fault.into())
         });
         for _ in 0..2 {
             let error = client.call_raw("pose.get", json!({})).unwrap_err();

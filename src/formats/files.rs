@@ -28,6 +28,12 @@ impl Gathered {
         text::decode(&self.name, &self.bytes)
     }
 
+    /// Whether its reader would be the same under any name.
+    pub(super) fn is_told_by_content(&self) -> bool {
+        // A glTF document in JSON is known by its extension, but no other reader takes it.
+        self.kind == Kind::Gltf || self.kind == recognise::recognise("", &self.bytes)
+    }
+
     pub(super) fn lexer(&self) -> Result<Lexer<'_>, FileFault> {
         Ok(Lexer::new(&self.name, self.text()?))
     }

@@ -1,6 +1,7 @@
 //! What can go wrong: [`Fault`] with its facts, and the [`ErrorObject`] a client gets for it.
 //! Never lives here: the errors of the rooms that do the work; the service turns those into faults.
 
+use super::parse::shortened;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -29,8 +30,13 @@ pub enum Fault {
     /// The server's own mistake.
     #[error("{message}")]
     Internal { message: String },
-    #[error("rig `{rig}` is not loaded")]
-    RigNotLoaded { rig: String },
+    /// `nearest` is the rig that may have been meant, and `loaded` are a few of those there are.
+    #[error("rig `{}` is not loaded{}", shortened(.rig), did_you_mean(.nearest.as_deref()))]
+    RigNotLoaded {
+        rig: String,
+        nearest: Option<String>,
+        loaded: Vec<String>,
+    },
     /// Boxed, since a fault travels in the error of every result.
     #[error("{}", .0.message)]
     RigFileInvalid(Box<InvalidRigFile>),
@@ -148,7 +154,12 @@ impl Fault {
             Self::InvalidRequest { path, .. } => json!({ "path": path }),
             Self::MethodNotFound { nearest, .. } => json!({ "path": "method", "nearest": nearest }),
             Self::InvalidParams { path, .. } => json!({ "path": path }),
-            Self::RigNotLoaded { rig } | Self::RigNameTaken { rig } => json!({ "rig": rig }),
+            Self::RigNotLoaded {
+                rig,
+                nearest,
+                loaded,
+            } => json!({ "rig": rig, "nearest": nearest, "loaded": loaded }),
+            Self::RigNameTaken { rig } => json!({ "rig": rig }),
             Self::RigFileInvalid(invalid) => json!({
                 "file": invalid.file,
                 "line": invalid.line,
@@ -222,7 +233,7 @@ kinds! {
     InvalidParams "invalid_params" -32602 false,
     /// The server made a mistake of its own.
     Internal "internal" -32603 false,
-    /// No rig of that name or digest is loaded: load `rig`, then ask again.
+    /// No rig of that name or digest is loaded: load `rig`, then ask again. `nearest` is the one that may have been meant, `loaded` a few of those there are.
     RigNotLoaded "rig_not_loaded" -32000 true,
     /// A rig's file is wrong at `file`, `line`, `column`: `expected` and `found` say how.
     RigFileInvalid "rig_file_invalid" -32001 false,
@@ -359,7 +370,14 @@ mod tests {
                 Fault::invalid_params("camera.fov_y", "expected a number"),
                 json!({"path": "camera.fov_y"}),
             ),
-            (Fault::RigNotLoaded { rig: text("a") }, json!({"rig": "a"})),
+            (
+                Fault::RigNotLoaded {
+                    rig: text("wsap"),
+                    nearest: Some(text("wasp")),
+                    loaded: vec![text("fly"), text("wasp")],
+                },
+                json!({"rig": "wsap", "nearest": "wasp", "loaded": ["fly", "wasp"]}),
+            ),
             (
                 Fault::RigFileInvalid(Box::new(invalid)),
                 json!({"file": "wasp.skel", "line": 41, "column": 9, "expected": "a number", "found": "abc"}),
@@ -386,8 +404,13 @@ mod tests {
             ),
             (Fault::DeviceLost, json!({})),
             (
-                Fault::RigNotLoaded { rig: text("a") }.within("frames[3]"),
-                json!({"rig": "a", "path": "frames[3]"}),
+                Fault::RigNotLoaded {
+                    rig: text("a"),
+                    nearest: None,
+                    loaded: Vec::new(),
+                }
+                .within("frames[3]"),
+                json!({"rig": "a", "loaded": [], "path": "frames[3]"}),
             ),
             (
                 Fault::invalid_params("size", "expected two").within("frames[3]"),

@@ -38,7 +38,7 @@ pub use lines::{
 };
 pub use methods::Method;
 pub use openrpc::openrpc;
-pub use parse::{nearest, params};
+pub use parse::{nearest, params, shortened};
 
 /// The version of the contract, as `server.info` states it. It changes when something is renamed or removed, not when something is added.
 pub const PROTOCOL_VERSION: u32 = 1;

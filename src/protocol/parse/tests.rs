@@ -442,6 +442,31 @@ fn a_message_repeats_only_so_much_of_the_request() {
 }
 
 #[test]
+fn the_nearest_name_is_found_among_many_and_long_ones() {
+    let known = ["Head", "hand.L", "hand.R", "morph.smile"];
+    for (name, near) in [
+        ("head", Some("Head")),
+        ("HAND.l", Some("hand.L")),
+        ("Smile", Some("morph.smile")),
+        ("l", Some("hand.L")),
+        ("hnad.R", Some("hand.R")),
+        // As near as `hand.R`, which comes later.
+        ("hand.X", Some("hand.L")),
+        ("tail", None),
+        ("", None),
+    ] {
+        assert_eq!(nearest(name, known.into_iter()), near, "{name}");
+    }
+    let long = "x".repeat(100_000);
+    let many = vec![long.as_str(); 100_000];
+    assert_eq!(nearest("xxxxxxxx", many.iter().copied()), None);
+    assert_eq!(
+        nearest(&"X".repeat(100_000), many.into_iter()),
+        Some(long.as_str())
+    );
+}
+
+#[test]
 fn depth_is_refused_and_not_followed() {
     let deep = "[".repeat(100_000) + &"]".repeat(100_000);
     let text = format!(r#"{{"rig":"a","lights":{deep}}}"#);
