@@ -393,12 +393,11 @@ mod tests {
     #[test]
     fn an_error_of_the_server_is_told_from_one_of_the_connection() {
         let (mut client, _server) = client_of(|request, _| {
-            let rig = "wasp".to_owned();
-            let fault = Fault::RigNotLoaded {
-                rig,
-                nearest: None,
-                loaded: Vec::new(),
+            let missing = MissingRig {
+                rig: "wasp".to_owned(),
+                ..MissingRig::default()
             };
+            let fault = Fault::RigNotLoaded(Box::new(missing));
             error_line(id(&request), &fault.into())
         });
         for _ in 0..2 {

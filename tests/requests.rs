@@ -198,8 +198,8 @@ fn a_name_that_is_not_there_gets_the_one_that_was_meant() {
         ),
         (
             "pose.set",
-            dofs("Tip.RX"),
-            "pose.dofs.Tip.RX: the rig has no such DOF; did you mean `tip.rx`?",
+            dofs("tip.rX"),
+            "pose.dofs.tip.rX: the rig has no such DOF; did you mean `tip.rx`?",
         ),
         (
             "pose.set",

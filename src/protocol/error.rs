@@ -30,14 +30,10 @@ pub enum Fault {
     /// The server's own mistake.
     #[error("{message}")]
     Internal { message: String },
-    /// `nearest` is the rig that may have been meant, and `loaded` are a few of those there are.
-    #[error("rig `{}` is not loaded{}", shortened(.rig), did_you_mean(.nearest.as_deref()))]
-    RigNotLoaded {
-        rig: String,
-        nearest: Option<String>,
-        loaded: Vec<String>,
-    },
     /// Boxed, since a fault travels in the error of every result.
+    #[error("rig `{}` is not loaded{}", shortened(&.0.rig), did_you_mean(.0.nearest.as_deref()))]
+    RigNotLoaded(Box<MissingRig>),
+    /// Boxed as well.
     #[error("{}", .0.message)]
     RigFileInvalid(Box<InvalidRigFile>),
     #[error("another rig is loaded as `{rig}`; `\"replace\": true` puts this one in its place")]
@@ -70,6 +66,16 @@ pub enum Fault {
     /// Any fault but that of a parameter, and which of many parts of the request it is of: `path` leads there, e.g. `frames[3]`.
     #[error("{path}: {fault}")]
     Within { path: String, fault: Box<Fault> },
+}
+
+/// A rig that a request names and nobody has loaded.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct MissingRig {
+    pub rig: String,
+    /// The one that may have been meant.
+    pub nearest: Option<String>,
+    /// A few of those there are.
+    pub loaded: Vec<String>,
 }
 
 /// A file of a rig that cannot be read. `message` is the reader's sentence, with file and place; the other fields say the same to programs,
@@ -121,7 +127,7 @@ impl Fault {
             Self::MethodNotFound { .. } => Kind::MethodNotFound,
             Self::InvalidParams { .. } => Kind::InvalidParams,
             Self::Internal { .. } => Kind::Internal,
-            Self::RigNotLoaded { .. } => Kind::RigNotLoaded,
+            Self::RigNotLoaded(_) => Kind::RigNotLoaded,
             Self::RigFileInvalid(_) => Kind::RigFileInvalid,
             Self::RigNameTaken { .. } => Kind::RigNameTaken,
             Self::LimitExceeded { .. } => Kind::LimitExceeded,
@@ -154,11 +160,11 @@ impl Fault {
             Self::InvalidRequest { path, .. } => json!({ "path": path }),
             Self::MethodNotFound { nearest, .. } => json!({ "path": "method", "nearest": nearest }),
             Self::InvalidParams { path, .. } => json!({ "path": path }),
-            Self::RigNotLoaded {
-                rig,
-                nearest,
-                loaded,
-            } => json!({ "rig": rig, "nearest": nearest, "loaded": loaded }),
+            Self::RigNotLoaded(missing) => json!({
+                "rig": missing.rig,
+                "nearest": missing.nearest,
+                "loaded": missing.loaded,
+            }),
             Self::RigNameTaken { rig } => json!({ "rig": rig }),
             Self::RigFileInvalid(invalid) => json!({
                 "file": invalid.file,
@@ -371,11 +377,11 @@ mod tests {
                 json!({"path": "camera.fov_y"}),
             ),
             (
-                Fault::RigNotLoaded {
+                Fault::RigNotLoaded(Box::new(MissingRig {
                     rig: text("wsap"),
                     nearest: Some(text("wasp")),
                     loaded: vec![text("fly"), text("wasp")],
-                },
+                })),
                 json!({"rig": "wsap", "nearest": "wasp", "loaded": ["fly", "wasp"]}),
             ),
             (
@@ -404,13 +410,8 @@ mod tests {
             ),
             (Fault::DeviceLost, json!({})),
             (
-                Fault::RigNotLoaded {
-                    rig: text("a"),
-                    nearest: None,
-                    loaded: Vec::new(),
-                }
-                .within("frames[3]"),
-                json!({"rig": "a", "loaded": [], "path": "frames[3]"}),
+                Fault::RigNotLoaded(Box::default()).within("frames[3]"),
+                json!({"rig": "", "loaded": [], "path": "frames[3]"}),
             ),
             (
                 Fault::invalid_params("size", "expected two").within("frames[3]"),

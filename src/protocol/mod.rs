@@ -31,7 +31,7 @@ mod strict;
 pub use attach::{Attach, Attachments};
 pub use blob::{Blob, BlobError};
 pub use envelope::{BadRequest, Request};
-pub use error::{ErrorObject, Fault, InvalidRigFile, Kind};
+pub use error::{ErrorObject, Fault, InvalidRigFile, Kind, MissingRig};
 pub use id::Id;
 pub use lines::{
     Incoming, Notification, Outgoing, Reply, error_line, notification_line, result_line,

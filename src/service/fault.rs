@@ -4,7 +4,7 @@ use super::names::LISTED;
 use crate::engine::EngineError;
 use crate::formats::LoadError;
 use crate::limits::LimitExceeded;
-use crate::protocol::{Fault, InvalidRigFile, nearest};
+use crate::protocol::{Fault, InvalidRigFile, MissingRig, nearest};
 use crate::scene::SceneError;
 
 impl From<EngineError> for Fault {
@@ -14,11 +14,11 @@ impl From<EngineError> for Fault {
                 let names = loaded.iter().map(String::as_str);
                 let nearest = nearest(&rig, names).map(str::to_owned);
                 loaded.truncate(LISTED);
-                Self::RigNotLoaded {
+                Self::RigNotLoaded(Box::new(MissingRig {
                     rig,
                     nearest,
                     loaded,
-                }
+                }))
             }
             EngineError::RigNameTaken { rig } => Self::RigNameTaken { rig },
             EngineError::Load(error) => error.into(),

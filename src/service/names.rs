@@ -60,6 +60,11 @@ pub(super) fn unknown_dof(name: &str, rig: &Rig) -> String {
         let joint_name = quoted(name);
         return format!("{joint_name} is a joint; its DOFs are {}", of_joint(joint));
     }
+    let names = dofs.iter().map(|dof| dof.name.as_str());
+    let same = names.clone().find(|dof| dof.eq_ignore_ascii_case(name));
+    if same.is_some() {
+        return near_or_listed("DOF", same, names);
+    }
     let joint = match name.rsplit_once('.') {
         Some((joint, _)) => skeleton.joint_named(joint),
         None => {
@@ -74,7 +79,7 @@ pub(super) fn unknown_dof(name: &str, rig: &Rig) -> String {
     }
     match name.strip_prefix(MORPH) {
         Some(morph) => unknown_morph(morph, rig),
-        None => unknown("DOF", name, dofs.iter().map(|dof| dof.name.as_str())),
+        None => unknown("DOF", name, names),
     }
 }
 
