@@ -301,7 +301,7 @@ impl Client {
 mod tests {
     use super::*;
     use crate::protocol::blob::{ArrayTransport, Blob, Numbers};
-    use crate::protocol::{Attachments, Fault, Request, error_line, result_line};
+    use crate::protocol::{Attachments, Fault, MissingRig, Request, error_line, result_line};
     use serde_json::json;
     use std::net::TcpListener;
     use std::thread::{self, JoinHandle};
@@ -393,8 +393,12 @@ mod tests {
     #[test]
     fn an_error_of_the_server_is_told_from_one_of_the_connection() {
         let (mut client, _server) = client_of(|request, _| {
-            let rig = "wasp".to_owned();
-            error_line(id(&request), &Fault::RigNotLoaded { rig }.into())
+            let missing = MissingRig {
+                rig: "wasp".to_owned(),
+                ..MissingRig::default()
+            };
+            let fault = Fault::RigNotLoaded(Box::new(missing));
+            error_line(id(&request), &fault.into())
         });
         for _ in 0..2 {
             let error = client.call_raw("pose.get", json!({})).unwrap_err();

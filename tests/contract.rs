@@ -160,6 +160,97 @@ fn every_method_but_the_notification_has_an_example() {
     assert!(missing.is_empty(), "no example of {missing:?}");
 }
 
+/// The defaults of an object's fields, as its schema has them.
+fn defaults(properties: &Value) -> Value {
+    let members = properties.as_object().expect("properties").iter();
+    members
+        .filter_map(|(name, schema)| Some((name.clone(), schema.get("default")?.clone())))
+        .collect::<serde_json::Map<_, _>>()
+        .into()
+}
+
+#[test]
+fn a_default_that_is_given_changes_nothing() {
+    let service = support::service();
+    let document = openrpc();
+    let schemas = &document["components"]["schemas"];
+    let method = |name: &str| {
+        let methods = document["methods"].as_array().expect("methods");
+        let method = methods.iter().find(|method| method["name"] == name);
+        let params = method.expect("it is there")["params"]
+            .as_array()
+            .expect("params");
+        let schemas = params.iter().map(|param| {
+            let name = param["name"].as_str().expect("a name").to_owned();
+            (name, param["schema"].clone())
+        });
+        Value::Object(schemas.collect())
+    };
+    let camera = |kind: usize| defaults(&schemas["Camera"]["oneOf"][kind]["properties"]);
+    let light = |kind: usize| defaults(&schemas["Light"]["oneOf"][kind]["properties"]);
+    let eye = json!({"kind": "look_at", "eye": [1, 2, 5], "target": [0, 1, 0]});
+    let lamps = json!([
+        {"kind": "directional", "direction": [0, -1, -1]},
+        {"kind": "point", "position": [1, 2, 2]},
+    ]);
+    let both = json!([over(&lamps[0], light(0)), over(&lamps[1], light(1))]);
+    let whole = defaults(&method("frame.render"));
+    for field in ["lights", "ambient", "background", "size", "samples", "show"] {
+        assert!(whole.get(field).is_some(), "{field} has no default");
+    }
+    let framed = over(&json!({"kind": "orbit"}), camera(0));
+    assert!(framed.get("azimuth").is_some() && light(1).get("color").is_some());
+    for (name, plain, given) in [
+        ("frame.render", json!({}), whole),
+        ("frame.render", json!({}), json!({ "camera": framed })),
+        (
+            "frame.render",
+            json!({ "camera": eye }),
+            json!({"camera": over(&eye, over(&camera(1), json!({"fov_y": 0.6981317007977318})))}),
+        ),
+        (
+            "frame.render",
+            json!({ "lights": lamps }),
+            json!({ "lights": both }),
+        ),
+        (
+            "frame.render",
+            json!({}),
+            json!({"show": defaults(&schemas["Show"]["properties"])}),
+        ),
+        (
+            "scene.pick",
+            json!({"pixel": [256, 200]}),
+            defaults(&method("scene.pick")),
+        ),
+        (
+            "mesh.vertices",
+            json!({}),
+            defaults(&method("mesh.vertices")),
+        ),
+    ] {
+        let plain = over(&json!({"rig": "figure"}), plain);
+        let answer = |params: &Value| {
+            let mut result = support::ask_ok(&service, name, params.clone());
+            if let Some(members) = result.as_object_mut() {
+                members.remove("timings_ms");
+            }
+            result
+        };
+        let wanted = answer(&plain);
+        let found = answer(&over(&plain, given.clone()));
+        assert!(wanted == found, "{name} with {given} differs");
+    }
+}
+
+fn over(object: &Value, members: Value) -> Value {
+    let mut all = object.clone();
+    if let (Value::Object(all), Value::Object(members)) = (&mut all, members) {
+        all.extend(members);
+    }
+    all
+}
+
 #[test]
 fn a_wrong_reply_is_seen() {
     let schemas = Schemas::new();

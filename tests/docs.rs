@@ -1,7 +1,9 @@
 //! Is what the documentation lists what the program has?
 
 use rigd::limits::Limits;
-use rigd::protocol::{Kind, Method};
+use rigd::protocol::{Kind, Method, openrpc};
+use rigd::scene::{Color, Surface};
+use serde_json::Value;
 use std::path::Path;
 
 #[test]
@@ -41,6 +43,101 @@ fn the_protocol_lists_every_method_and_every_kind_of_error() {
             "{row}"
         );
         assert_eq!(row.contains("yes"), kind.retryable(), "{row}");
+    }
+}
+
+/// Numbers and words of a JSON value, as the documentation spells them.
+fn spelled(value: &Value) -> Vec<String> {
+    match value {
+        Value::Array(items) => items.iter().flat_map(spelled).collect(),
+        Value::Object(members) => members.values().flat_map(spelled).collect(),
+        Value::Number(number) => {
+            let number = number.as_f64().expect("a number");
+            // Radians are told to four digits.
+            let digits = number.to_string();
+            vec![if digits.len() > 6 {
+                format!("{number:.4}")
+            } else {
+                digits
+            }]
+        }
+        Value::String(word) => vec![word.clone()],
+        other => vec![other.to_string()],
+    }
+}
+
+#[test]
+fn the_protocol_lists_the_default_of_every_field_of_a_frame_request() {
+    let text = include_str!("../docs/protocol.md");
+    let cell = |field: &str| {
+        let rows = text.lines().filter(|line| line.matches('|').count() == 4);
+        let named = format!("`{field}`");
+        let mut of_field = rows.filter(|row| {
+            row.split('|')
+                .nth(1)
+                .is_some_and(|cell| cell.contains(&named))
+        });
+        let row = of_field
+            .next()
+            .unwrap_or_else(|| panic!("docs/protocol.md lacks {field}"));
+        row.split('|').nth(3).expect("three cells").to_owned()
+    };
+    let holds = |field: &str, default: &Value| {
+        let cell = cell(field);
+        for spelling in spelled(default) {
+            assert!(
+                cell.contains(&spelling),
+                "{field}: {spelling} is not in {cell}"
+            );
+        }
+    };
+    let document = openrpc();
+    let methods = document["methods"].as_array().expect("methods");
+    let render = methods
+        .iter()
+        .find(|method| method["name"] == "frame.render");
+    let params = render.expect("it is there")["params"]
+        .as_array()
+        .expect("params");
+    for param in params {
+        let name = param["name"].as_str().expect("a name");
+        // A rig has none, and a pose has a table of its own.
+        if ["rig", "pose"].contains(&name) {
+            continue;
+        }
+        let default = param["schema"].get("default");
+        holds(
+            name,
+            default.unwrap_or_else(|| panic!("{name} has no default")),
+        );
+    }
+    let orbit = &document["components"]["schemas"]["Camera"]["oneOf"][0]["properties"];
+    for field in ["azimuth", "inclination", "fov_y"] {
+        holds("camera", &orbit[field]["default"]);
+    }
+    // What is left out of a material is the file's business first, so that its schema can only tell in words.
+    let material = &document["components"]["schemas"]["Material"]["properties"];
+    let list = |color: Color| {
+        format!(
+            "[{}]",
+            color.rgb().to_array().map(|it| it.to_string()).join(", ")
+        )
+    };
+    for (field, default) in [
+        ("diffuse", list(Surface::DIFFUSE)),
+        ("specular", list(Surface::SPECULAR)),
+        ("shininess", Surface::SHININESS.to_string()),
+    ] {
+        let description = material[field]["description"].as_str().expect("a sentence");
+        assert!(
+            description.contains(&default),
+            "{field}: {default} is not in {description}"
+        );
+        let cell = cell("material");
+        assert!(
+            cell.contains(&default),
+            "{field}: {default} is not in {cell}"
+        );
     }
 }
 

@@ -8,6 +8,7 @@ use rigd::limits::Limits;
 use rigd::protocol::Reply;
 use rigd::service::Service;
 use serde_json::{Map, Value, json};
+use sha2::Digest as _;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
@@ -161,6 +162,135 @@ fn methods_are_found_by_name_and_near_ones_are_offered() {
             assert_eq!(data.get("nearest").and_then(Value::as_str), nearest);
         }
     }
+}
+
+#[test]
+fn a_name_that_is_not_there_gets_the_one_that_was_meant() {
+    load(&SERVICE, "Naming");
+    let dofs = |dof: &str| json!({"rig": "Naming", "pose": {"dofs": {dof: 0.5}}});
+    let figure = |pose: Value| json!({"rig": "figure", "pose": pose});
+    let long = "x".repeat(100_000);
+    for (method, params, wanted) in [
+        (
+            "pose.set",
+            dofs("tip"),
+            "pose.dofs.tip: `tip` is a joint; its DOFs are `tip.rx`, `tip.ry`, `tip.rz`",
+        ),
+        (
+            "pose.set",
+            dofs("root"),
+            "pose.dofs.root: `root` is a joint; its DOFs are `root.tx`, `root.ty`, `root.tz`, `root.rx`, `root.ry`, `root.rz`",
+        ),
+        (
+            "pose.set",
+            dofs("rooot"),
+            "pose.dofs.rooot: the rig has no such DOF; joint `root` has `root.tx`, `root.ty`, `root.tz`, `root.rx`, `root.ry`, `root.rz`",
+        ),
+        (
+            "pose.set",
+            dofs("TIP"),
+            "pose.dofs.TIP: the rig has no such DOF; joint `tip` has `tip.rx`, `tip.ry`, `tip.rz`",
+        ),
+        (
+            "pose.set",
+            dofs("tip.tx"),
+            "pose.dofs.tip.tx: the rig has no such DOF; joint `tip` has `tip.rx`, `tip.ry`, `tip.rz`",
+        ),
+        (
+            "pose.set",
+            dofs("tip.rX"),
+            "pose.dofs.tip.rX: the rig has no such DOF; did you mean `tip.rx`?",
+        ),
+        (
+            "pose.set",
+            dofs("wing"),
+            "pose.dofs.wing: the rig has no such DOF; it has `root.tx`, `root.ty`, `root.tz`, `root.rx`, `root.ry`, `root.rz`, `tip.rx`, `tip.ry` and 1 more",
+        ),
+        (
+            "pose.set",
+            dofs("morph.smile"),
+            "pose.dofs.morph.smile: the rig has no such morph target; it has none",
+        ),
+        (
+            "joint.transforms",
+            figure(json!({"dofs": {"smile": 1}})),
+            "pose.dofs.smile: the rig has no such DOF; did you mean `morph.smile`?",
+        ),
+        (
+            "joint.transforms",
+            figure(json!({"dofs": {"morph.frown": 1}})),
+            "pose.dofs.morph.frown: the rig has no such morph target; it has `smile`, `blink`",
+        ),
+        (
+            "joint.transforms",
+            figure(json!({"dofs": {"morph.smiel": 1}})),
+            "pose.dofs.morph.smiel: the rig has no such morph target; did you mean `smile`?",
+        ),
+        (
+            "joint.transforms",
+            figure(json!({"clip": {"name": "Walk", "time": 0}})),
+            "pose.clip.name: the rig has no such clip; did you mean `walk`?",
+        ),
+        (
+            "pose.roll",
+            json!({"rig": "Naming", "joint": "tip.rx", "angle": 1}),
+            "joint: `tip.rx` is a DOF; its joint is `tip`",
+        ),
+        (
+            "pose.roll",
+            json!({"rig": "Naming", "joint": "Root", "angle": 1}),
+            "joint: the rig has no such joint; did you mean `root`?",
+        ),
+        (
+            "mesh.vertices",
+            json!({"rig": "Naming", "mesh": "mesh_1"}),
+            "mesh: the rig has no such mesh; did you mean `mesh_0`?",
+        ),
+        (
+            "rig.describe",
+            json!({"rig": "figur"}),
+            "rig `figur` is not loaded; did you mean `figure`?",
+        ),
+        (
+            "pose.get",
+            json!({"rig": "naming"}),
+            "rig `naming` is not loaded; did you mean `Naming`?",
+        ),
+    ] {
+        let error = ask(&SERVICE, method, params).expect_err(wanted);
+        assert_eq!(error.message, wanted);
+    }
+    for params in [
+        json!({"rig": "Naming", "pose": {"dofs": {&long: 1}}}),
+        json!({"rig": "Naming", "pose": {"rotations": {&long: [0, 0, 0, 1]}}}),
+        json!({"rig": "Naming", "pose": {"clip": {"name": &long, "time": 0}}}),
+        json!({"rig": "Naming", "mesh": &long}),
+        json!({"rig": &long}),
+    ] {
+        let error = ask(&SERVICE, "mesh.vertices", params).expect_err("no such name");
+        assert!(error.message.len() < 1000, "{} bytes", error.message.len());
+    }
+}
+
+#[test]
+fn a_rig_that_is_not_loaded_gets_a_few_of_those_that_are() {
+    let service = support::service();
+    let missing = |service: &Arc<Service>| {
+        let error = ask(service, "pose.get", json!({"rig": "rig_13"}));
+        error.expect_err("it is not loaded").data.details
+    };
+    for index in 10..30 {
+        load(&service, &format!("rig-{index}"));
+    }
+    let data = missing(&service);
+    assert_eq!(data["nearest"], "rig-13");
+    let loaded: Vec<String> = (10..17).map(|index| format!("rig-{index}")).collect();
+    assert_eq!(data["loaded"][0], "figure");
+    assert_eq!(data["loaded"].as_array().map(Vec::len), Some(8));
+    assert_eq!(
+        json!(data["loaded"].as_array().map(|all| &all[1..])),
+        json!(loaded)
+    );
 }
 
 #[test]
@@ -930,6 +1060,60 @@ fn a_digest_names_a_rig_and_starts_from_rest() {
         ask_kind(&SERVICE, "pose.get", json!({"rig": "only"})),
         "rig_not_loaded"
     );
+}
+
+#[test]
+fn the_same_file_under_two_names_is_one_rig() {
+    let skel = ARM.replace("tip", "finger");
+    let load = |file: &str, text_of: &str| {
+        let params = json!({"files": [text(file, text_of)]});
+        ask_ok(&SERVICE, "rig.load", params)
+    };
+    let (left, right) = (load("left.skel", &skel), load("right.txt", &skel));
+    let hash = sha2::Sha256::digest(skel.as_bytes());
+    let hex: String = hash.iter().map(|byte| format!("{byte:02x}")).collect();
+    let digest = format!("sha256:{hex}");
+    assert_eq!(left["digest"], digest);
+    assert_eq!(right["digest"], digest);
+    assert_eq!(
+        (&left["name"], &right["name"]),
+        (&json!("left"), &json!("right"))
+    );
+    // Under one name, the second load is the same rig again.
+    let named = json!({"name": "left", "files": [text("right.txt", &skel)]});
+    assert_eq!(ask_ok(&SERVICE, "rig.load", named), left);
+
+    // Each name has its own pose. The digest stands for the first by name, from rest where nothing else is said.
+    let set = |rig: &str, x: f64| {
+        let pose = json!({"base": "rest", "dofs": {"root.tx": x}});
+        ask_ok(&SERVICE, "pose.set", json!({"rig": rig, "pose": pose}));
+    };
+    let root = |rig: &str, pose: Value| world_from_joint(rig, 0, pose)[12] - 1.0;
+    let stored = || json!({"base": "stored"});
+    set("left", 5.0);
+    set("right", 7.0);
+    assert_eq!(root(&digest, json!({})), 0.0);
+    assert_eq!(root(&digest, json!({"dofs": {"root.tx": 3}})), 3.0);
+    assert_eq!(root(&digest, stored()), 5.0);
+    set(&digest, 6.0);
+    assert_eq!(
+        (root("left", stored()), root("right", stored())),
+        (6.0, 7.0)
+    );
+    ask_ok(&SERVICE, "rig.unload", json!({ "rig": digest }));
+    assert_eq!(root(&digest, stored()), 7.0, "the other name is left");
+
+    // Where the extension has a say, the name counts.
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    assert_ne!(
+        load("one.obj", obj)["digest"],
+        load("two.obj", obj)["digest"]
+    );
+    // As it does among several files.
+    let files =
+        |skel: &str| json!({"name": skel, "files": [text(skel, ARM), text("a.skin", FLAG)]});
+    let [one, two] = ["1.skel", "2.skel"].map(|skel| ask_ok(&SERVICE, "rig.load", files(skel)));
+    assert_ne!(one["digest"], two["digest"]);
 }
 
 #[test]

@@ -65,13 +65,93 @@ fn where_packets_break_does_not_matter() {
 fn half_a_line_then_eof_is_not_an_error() {
     let server = server();
     let whole = ping(1);
-    for half in ["", "{", &whole[..20], whole.trim_end()] {
+    let line = whole.trim_end();
+    let list = format!("[{line}]");
+    let two = format!("{line} {{}}");
+    for half in [
+        "",
+        "{",
+        &whole[..20],
+        &line[..line.len() - 1],
+        " \t\r",
+        // Whole, but none of these is an object.
+        "7",
+        "hello",
+        "GET / HTTP/1.1",
+        &list,
+        &two,
+    ] {
         let mut wire = server.connect();
         wire.send(format!("{}{half}", ping(0)));
         wire.half_close();
         assert_eq!(wire.result(0), json!({}));
         wire.assert_end();
     }
+}
+
+#[test]
+fn a_whole_last_request_needs_no_line_end() {
+    let server = server();
+    let case = include_str!("cases/wire/no_newline.ndjson");
+    assert!(!case.ends_with('\n'), "that is the point of it");
+    for before in [String::new(), ping(0)] {
+        let mut wire = server.connect();
+        wire.send(format!("{before}{case}"));
+        wire.half_close();
+        if !before.is_empty() {
+            assert_eq!(wire.result(0), json!({}));
+        }
+        assert_eq!(wire.result(1), json!({}));
+        wire.assert_end();
+    }
+    // An object that is no request is told what is wrong with it, as on any other line.
+    for (line, id, path) in [
+        (r#"{"id":7}"#, json!(7), "jsonrpc"),
+        ("\n \r{}\r", Value::Null, "jsonrpc"),
+        // Raw bytes come behind the line's end.
+        (
+            r#"{"jsonrpc":"2.0","id":7,"method":"server.ping","attach_bytes":3}"#,
+            json!(7),
+            "attach_bytes",
+        ),
+    ] {
+        let mut wire = server.connect();
+        wire.send(line);
+        wire.half_close();
+        let data = wire.error(id);
+        assert_eq!(data["kind"], "invalid_request", "{line}");
+        assert_eq!(data["path"], path, "{line}");
+        wire.assert_end();
+    }
+    // A notification takes effect and is not answered.
+    let mut wire = server.connect();
+    load_bone(&mut wire, "unended");
+    wire.send(r#"{"jsonrpc":"2.0","method":"pose.set","params":{"rig":"unended","pose":{"dofs":{"bone.rx":0.25}}}}"#);
+    wire.half_close();
+    wire.assert_end();
+    let mut wire = server.connect();
+    wire.request(1, "pose.get", json!({"rig": "unended"}));
+    assert_eq!(wire.result(1)["dofs"]["bone.rx"], 0.25);
+}
+
+#[test]
+fn a_last_line_without_end_has_the_limit_of_any_other() {
+    let server = TestServer::start(&NARROW);
+    let line = ping(1);
+    let padded = |length: usize| {
+        let line = line.trim_end();
+        format!("{}{line}", " ".repeat(length - line.len()))
+    };
+    let mut wire = server.connect();
+    wire.send(padded(4096));
+    wire.half_close();
+    assert_eq!(wire.result(1), json!({}));
+    wire.assert_end();
+    let mut wire = server.connect();
+    wire.send(padded(4097));
+    wire.half_close();
+    assert_eq!(wire.error(Value::Null)["limit"], "line_bytes");
+    wire.assert_end();
 }
 
 #[test]
@@ -227,9 +307,12 @@ fn ids_come_back_as_they_were() {
         wire.send(ping(id.clone()));
         assert_eq!(wire.result(id), json!({}));
     }
+    // An integral float is an integer, and comes back as one.
+    wire.send(ping(json!(1e3)));
+    assert_eq!(wire.result(1000), json!({}));
     for id in [
         json!(1.5),
-        json!(1e3),
+        json!(1e300),
         json!(true),
         json!({}),
         json!([1]),

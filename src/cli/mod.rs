@@ -84,12 +84,15 @@ pub fn run() -> ExitCode {
 /// The subcommand that was meant by the first argument, which would else be taken for a file to serve.
 fn mistyped(first: &str) -> Option<String> {
     let program = Cli::command();
-    let known = || program.get_subcommands().map(clap::Command::get_name);
-    let is_else = first.contains(['-', '.', '/', '\\']) || known().any(|name| name == first);
+    let known: Vec<&str> = program
+        .get_subcommands()
+        .map(clap::Command::get_name)
+        .collect();
+    let is_else = first.contains(['-', '.', '/', '\\']) || known.contains(&first);
     if is_else || Path::new(first).exists() {
         return None;
     }
-    nearest(first, known()).map(str::to_owned)
+    nearest(first, known.into_iter()).map(str::to_owned)
 }
 
 impl Command {

@@ -8,8 +8,9 @@ use crate::scene::{SceneError, SizeError};
 
 #[derive(Debug, thiserror::Error)]
 pub enum EngineError {
+    /// `loaded` are the names of those that are.
     #[error("no rig named `{rig}` is loaded")]
-    RigNotLoaded { rig: String },
+    RigNotLoaded { rig: String, loaded: Vec<String> },
     #[error(
         "a rig named `{rig}` is loaded from other files; say `replace` to put this one in its place"
     )]

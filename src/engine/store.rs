@@ -198,6 +198,7 @@ fn find(entries: &BTreeMap<String, Entry>, rig: &str) -> Result<(String, RigRef)
         .or_else(by_digest)
         .ok_or_else(|| EngineError::RigNotLoaded {
             rig: rig.to_owned(),
+            loaded: entries.keys().cloned().collect(),
         })?;
     let (loaded, stored) = (Arc::clone(&entry.loaded), entry.stored.clone());
     Ok((

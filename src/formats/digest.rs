@@ -4,7 +4,12 @@
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 
-/// `sha256:` and 64 hexadecimal digits over `(base name, content)`, sorted by base name: of each its length as a little-endian
+/// `sha256:` and 64 hexadecimal digits over the one file that the rig is, whatever it is called.
+pub(super) fn of_content(content: &[u8]) -> String {
+    written(Sha256::new_with_prefix(content))
+}
+
+/// The same over `(base name, content)`, sorted by base name: of each its length as a little-endian
 /// u64, then itself.
 pub(super) fn of(mut files: Vec<(&str, &[u8])>) -> String {
     // By content too: pictures of one name can come from two folders.
@@ -16,6 +21,10 @@ pub(super) fn of(mut files: Vec<(&str, &[u8])>) -> String {
             hash.update(part);
         }
     }
+    written(hash)
+}
+
+fn written(hash: Sha256) -> String {
     let mut digest = "sha256:".to_owned();
     for byte in hash.finalize() {
         // Writing into a String cannot fail.
@@ -26,7 +35,7 @@ pub(super) fn of(mut files: Vec<(&str, &[u8])>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::of;
+    use super::{of, of_content};
 
     #[test]
     fn order_does_not_count_but_where_a_name_ends_does() {
@@ -40,5 +49,8 @@ mod tests {
         // printf '\1\0\0\0\0\0\0\0a\2\0\0\0\0\0\0\0hi' | sha256sum
         let wanted = "sha256:cddc1822a27eb821c85f4b29ab888ceed50f1b0f53bb7dfc17231570bd2eacd8";
         assert_eq!(of(vec![("a", b"hi")]), wanted);
+        // printf hi | sha256sum
+        let wanted = "sha256:8f434346648f6b96df89dda901c5176b10a6d83961dd3c1ac88b59b2dc327aa4";
+        assert_eq!(of_content(b"hi"), wanted);
     }
 }

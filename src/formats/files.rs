@@ -24,6 +24,12 @@ pub(super) struct Gathered {
 }
 
 impl Gathered {
+    /// Whether its reader would be the same under any name.
+    pub(super) fn is_told_by_content(&self) -> bool {
+        // A glTF document in JSON is known by its extension, but no other reader takes it.
+        self.kind == Kind::Gltf || self.kind == recognise::recognise("", &self.bytes)
+    }
+
     pub(super) fn text(&self, warnings: &mut Warnings) -> Result<Cow<'_, str>, FileFault> {
         text::decode(&self.name, &self.bytes, warnings)
     }

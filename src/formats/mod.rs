@@ -64,7 +64,8 @@ pub struct Loaded {
     pub rig: Rig,
     /// The stem of the first file.
     pub name: String,
-    /// `sha256:<hex>` over all files, those referred to included.
+    /// `sha256:<hex>` over names and contents of all files, those referred to included; over the content alone where the rig is one file
+    /// that its content alone tells the reader of.
     pub digest: String,
     /// The readers that were used, each once, in the order of [`FORMATS`].
     pub dialects: Vec<&'static str>,
@@ -87,7 +88,10 @@ pub fn load(files: &[FileRef], source: &Source, limits: &Limits) -> Result<Loade
     Ok(Loaded {
         rig,
         name: recognise::stem(&files.sent()[0].name).to_owned(),
-        digest: digest::of(files.all()),
+        digest: match files.all().as_slice() {
+            [(_, content)] if files.sent()[0].is_told_by_content() => digest::of_content(content),
+            _ => digest::of(files.all()),
+        },
         dialects: FORMATS.iter().copied().filter(is_used).collect(),
     })
 }

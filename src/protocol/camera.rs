@@ -10,6 +10,7 @@ use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Error, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::json;
+use std::f64::consts::PI;
 use std::fmt;
 
 /// Where the picture is taken from. World space, right-handed; the camera looks down its own −Z with +Y up on screen.
@@ -41,12 +42,15 @@ pub struct Orbit {
     pub distance: Option<f64>,
     /// Radians about +Y, from +Z toward +X. Without it, π/6.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = PI / 6.0))]
     pub azimuth: Option<f64>,
     /// Radians above the horizon. Without it, π/9.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = PI / 9.0))]
     pub inclination: Option<f64>,
     /// Radians that the picture is high. Without it, 2π/9.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 2.0 * PI / 9.0))]
     pub fov_y: Option<f64>,
     /// Distance before which nothing is drawn. Without it, a thousandth of the distance to the target.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -62,8 +66,9 @@ pub struct LookAt {
     pub target: [f64; 3],
     /// The direction that is up on screen. Without it, `[0, 1, 0]`.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = [0.0, 1.0, 0.0]))]
     pub up: Option<[f64; 3]>,
-    /// Radians that the picture is high. Without it, and without `height`, 2π/9.
+    /// Radians that the picture is high. Without it, and without `height`, 2π/9 (0.6981317007977318).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fov_y: Option<f64>,
     /// Makes the camera orthographic: units of length that the picture is high. Not together with `fov_y`.
@@ -136,9 +141,11 @@ pub struct DirectionalLight {
     pub direction: [f64; 3],
     /// Without it, white.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = [1.0, 1.0, 1.0]))]
     pub color: Option<[f64; 3]>,
     /// Multiplies the color. Without it, 1.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 1.0))]
     pub intensity: Option<f64>,
 }
 
@@ -149,9 +156,11 @@ pub struct PointLight {
     pub position: [f64; 3],
     /// Without it, white.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = [1.0, 1.0, 1.0]))]
     pub color: Option<[f64; 3]>,
     /// Multiplies the color. Without it, 1.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 1.0))]
     pub intensity: Option<f64>,
     #[schemars(default)]
     pub falloff: Falloff,
@@ -166,6 +175,21 @@ pub enum Falloff {
     None,
     /// Divided by the square of the distance, or by 1e-4 of the square of the rig's size where that is more.
     InverseSquare,
+}
+
+/// What lights a picture whose request names no lights.
+pub(super) fn default_lights() -> [Light; 2] {
+    [
+        ([0.7, -0.65, -0.6], [1.0, 0.87, 0.7], 1.7),
+        ([-0.8, -0.25, 0.5], [0.4, 0.6, 1.0], 1.2),
+    ]
+    .map(|(direction, color, intensity)| {
+        Light::Directional(DirectionalLight {
+            direction,
+            color: Some(color),
+            intensity: Some(intensity),
+        })
+    })
 }
 
 /// Every field of an orbit camera may be left out, `kind` too, which a derived schema cannot say.

@@ -4,7 +4,7 @@
 use super::error::Fault;
 use super::id::Id;
 use super::parse::{reworded, shortened};
-use super::strict::unknown_field;
+use super::strict::{Strict, unknown_field};
 use serde::Deserializer;
 use serde::de::{DeserializeOwned, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::value::RawValue;
@@ -153,27 +153,27 @@ impl Draft {
         }
         match key {
             "jsonrpc" => {
-                let version: Option<String> = self.typed(key, raw, "`\"2.0\"`");
-                if version.is_some_and(|version| version != "2.0") {
-                    self.complain(key, "expected `\"2.0\"`, but found another version");
+                let version = serde_json::from_str::<String>(raw.get());
+                if version.is_ok_and(|version| version == "2.0") {
+                    return;
                 }
+                let found = shortened(raw.get());
+                self.complain(key, format!("expected `\"2.0\"`, but found `{found}`"));
             }
-            "id" => self.id = self.typed(key, raw, Id::EXPECTED),
-            "method" => self.method = self.typed(key, raw, "a string"),
+            "id" => self.id = self.typed(key, raw),
+            "method" => self.method = self.typed(key, raw),
             "params" if raw.get().starts_with('{') => self.params = Some(raw.to_owned()),
             "params" => self.complain(key, "expected an object: parameters go by name"),
-            "deadline_ms" => self.deadline_ms = self.typed(key, raw, "a number of milliseconds"),
-            _ => self.attach_bytes = self.typed(key, raw, "a number of bytes"),
+            "deadline_ms" => self.deadline_ms = self.typed(key, raw),
+            _ => self.attach_bytes = self.typed(key, raw),
         }
     }
 
-    fn typed<T: DeserializeOwned>(&mut self, key: &str, raw: &RawValue, what: &str) -> Option<T> {
-        let value = serde_json::from_str(raw.get()).ok();
-        if value.is_none() {
-            let found = shortened(raw.get());
-            self.complain(key, format!("expected {what}, but found {found}"));
-        }
-        value
+    fn typed<T: DeserializeOwned>(&mut self, key: &str, raw: &RawValue) -> Option<T> {
+        let mut inner = serde_json::Deserializer::from_str(raw.get());
+        T::deserialize(Strict(&mut inner))
+            .map_err(|error| self.complain(key, reworded(&error).1))
+            .ok()
     }
 }
 
@@ -204,7 +204,7 @@ impl<'de> Visitor<'de> for LineVisitor<'_> {
         // To the end, since a broken list is a broken line.
         while seq.next_element::<IgnoredAny>()?.is_some() {}
         self.0.fault = Some(Fault::InvalidRequest {
-            message: "expected a request, but found a list: write one request to a line, as many as you like before reading".to_owned(),
+            message: "expected a request, but found a list: write one request to a line; many may be written before a reply is read".to_owned(),
             path: None,
         });
         Ok(())

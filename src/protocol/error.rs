@@ -1,6 +1,7 @@
 //! What can go wrong: [`Fault`] with its facts, and the [`ErrorObject`] a client gets for it.
 //! Never lives here: the errors of the rooms that do the work; the service turns those into faults.
 
+use super::parse::shortened;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -29,9 +30,10 @@ pub enum Fault {
     /// The server's own mistake.
     #[error("{message}")]
     Internal { message: String },
-    #[error("rig `{rig}` is not loaded")]
-    RigNotLoaded { rig: String },
     /// Boxed, since a fault travels in the error of every result.
+    #[error("rig `{}` is not loaded{}", shortened(&.0.rig), did_you_mean(.0.nearest.as_deref()))]
+    RigNotLoaded(Box<MissingRig>),
+    /// Boxed as well.
     #[error("{}", .0.message)]
     RigFileInvalid(Box<InvalidRigFile>),
     #[error("another rig is loaded as `{rig}`; `\"replace\": true` puts this one in its place")]
@@ -64,6 +66,16 @@ pub enum Fault {
     /// Any fault but that of a parameter, and which of many parts of the request it is of: `path` leads there, e.g. `frames[3]`.
     #[error("{path}: {fault}")]
     Within { path: String, fault: Box<Fault> },
+}
+
+/// A rig that a request names and nobody has loaded.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct MissingRig {
+    pub rig: String,
+    /// The one that may have been meant.
+    pub nearest: Option<String>,
+    /// A few of those there are.
+    pub loaded: Vec<String>,
 }
 
 /// A file of a rig that cannot be read. `message` is the reader's sentence, with file and place; the other fields say the same to programs,
@@ -115,7 +127,7 @@ impl Fault {
             Self::MethodNotFound { .. } => Kind::MethodNotFound,
             Self::InvalidParams { .. } => Kind::InvalidParams,
             Self::Internal { .. } => Kind::Internal,
-            Self::RigNotLoaded { .. } => Kind::RigNotLoaded,
+            Self::RigNotLoaded(_) => Kind::RigNotLoaded,
             Self::RigFileInvalid(_) => Kind::RigFileInvalid,
             Self::RigNameTaken { .. } => Kind::RigNameTaken,
             Self::LimitExceeded { .. } => Kind::LimitExceeded,
@@ -148,7 +160,12 @@ impl Fault {
             Self::InvalidRequest { path, .. } => json!({ "path": path }),
             Self::MethodNotFound { nearest, .. } => json!({ "path": "method", "nearest": nearest }),
             Self::InvalidParams { path, .. } => json!({ "path": path }),
-            Self::RigNotLoaded { rig } | Self::RigNameTaken { rig } => json!({ "rig": rig }),
+            Self::RigNotLoaded(missing) => json!({
+                "rig": missing.rig,
+                "nearest": missing.nearest,
+                "loaded": missing.loaded,
+            }),
+            Self::RigNameTaken { rig } => json!({ "rig": rig }),
             Self::RigFileInvalid(invalid) => json!({
                 "file": invalid.file,
                 "line": invalid.line,
@@ -222,7 +239,7 @@ kinds! {
     InvalidParams "invalid_params" -32602 false,
     /// The server made a mistake of its own.
     Internal "internal" -32603 false,
-    /// No rig of that name or digest is loaded: load `rig`, then ask again.
+    /// No rig of that name or digest is loaded: load `rig`, then ask again. `nearest` is the one that may have been meant, `loaded` a few of those there are.
     RigNotLoaded "rig_not_loaded" -32000 true,
     /// A rig's file is wrong at `file`, `line`, `column`: `expected` and `found` say how.
     RigFileInvalid "rig_file_invalid" -32001 false,
@@ -359,7 +376,14 @@ mod tests {
                 Fault::invalid_params("camera.fov_y", "expected a number"),
                 json!({"path": "camera.fov_y"}),
             ),
-            (Fault::RigNotLoaded { rig: text("a") }, json!({"rig": "a"})),
+            (
+                Fault::RigNotLoaded(Box::new(MissingRig {
+                    rig: text("wsap"),
+                    nearest: Some(text("wasp")),
+                    loaded: vec![text("fly"), text("wasp")],
+                })),
+                json!({"rig": "wsap", "nearest": "wasp", "loaded": ["fly", "wasp"]}),
+            ),
             (
                 Fault::RigFileInvalid(Box::new(invalid)),
                 json!({"file": "wasp.skel", "line": 41, "column": 9, "expected": "a number", "found": "abc"}),
@@ -386,8 +410,8 @@ mod tests {
             ),
             (Fault::DeviceLost, json!({})),
             (
-                Fault::RigNotLoaded { rig: text("a") }.within("frames[3]"),
-                json!({"rig": "a", "path": "frames[3]"}),
+                Fault::RigNotLoaded(Box::default()).within("frames[3]"),
+                json!({"rig": "", "loaded": [], "path": "frames[3]"}),
             ),
             (
                 Fault::invalid_params("size", "expected two").within("frames[3]"),

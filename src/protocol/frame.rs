@@ -30,14 +30,17 @@ macro_rules! frame_request {
             pub camera: Camera,
             /// A list of at most 16, or `file`. Without it, a warm key light and a cool fill; an empty list leaves the ambient light alone.
             #[serde(default, skip_serializing_if = "Option::is_none")]
+            #[schemars(extend("default" = crate::protocol::camera::default_lights()))]
             pub lights: Option<Lights>,
             /// Light from everywhere. Without it, just enough to see into the shadows.
             #[serde(default, skip_serializing_if = "Option::is_none")]
+            #[schemars(extend("default" = [0.055, 0.06, 0.08]))]
             pub ambient: Option<[f64; 3]>,
             #[serde(default)]
             pub material: Material,
             /// What stands behind the rig, with straight alpha. Without it, an opaque dark slate.
             #[serde(default, skip_serializing_if = "Option::is_none")]
+            #[schemars(extend("default" = [0.012, 0.016, 0.024, 1.0]))]
             pub background: Option<[f64; 4]>,
             #[serde(default)]
             pub cull: Cull,
@@ -238,17 +241,17 @@ impl Default for Show {
     }
 }
 
-/// The surface of the skin (Blinn-Phong). What is left out is a warm grey with a slight gloss, and white under a texture.
+/// The surface of the skin (Blinn-Phong). What is left out is as the file has it, and else a warm grey with a slight gloss.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
-    /// Color that light is scattered in.
+    /// Color that light is scattered in. Where neither this nor the file gives one, white under a texture and else [0.6, 0.5, 0.42].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub diffuse: Option<[f64; 3]>,
-    /// Color of the highlight.
+    /// Color of the highlight. Where neither this nor the file gives one, [0.14, 0.14, 0.14].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub specular: Option<[f64; 3]>,
-    /// Exponent of the highlight: the higher, the smaller.
+    /// Exponent of the highlight: the higher, the smaller. Where neither this nor the file gives one, 32.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shininess: Option<f64>,
     /// Name of one of the rig's `variants`, which chooses other materials of the file. Without it, the file's own choice.

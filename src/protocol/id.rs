@@ -1,6 +1,7 @@
 //! What pairs a reply with its request.
 //! Never lives here: the order of replies, which is the connection's business.
 
+use super::strict::exact_integer;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -21,8 +22,7 @@ impl Id {
     /// Bytes of a textual id: room for a UUID and a prefix, little enough to keep one per request in flight.
     pub const LONGEST: usize = 64;
 
-    pub(super) const EXPECTED: &str =
-        "an integer of 64 bits, a string of at most 64 bytes, or null";
+    const EXPECTED: &str = "an integer of 64 bits, a string of at most 64 bytes, or null";
 }
 
 impl fmt::Display for Id {
@@ -90,6 +90,12 @@ impl Visitor<'_> for IdVisitor {
 
     fn visit_u64<E>(self, integer: u64) -> Result<Id, E> {
         Ok(Id::Integer(integer.into()))
+    }
+
+    fn visit_f64<E: Error>(self, number: f64) -> Result<Id, E> {
+        exact_integer(number)
+            .map(|integer| Id::Integer(integer.into()))
+            .ok_or_else(|| E::invalid_type(Unexpected::Float(number), &self))
     }
 
     fn visit_str<E: Error>(self, text: &str) -> Result<Id, E> {

@@ -174,6 +174,16 @@ mod tests {
                 "frame.rendr",
                 "there is no method `frame.rendr`; did you mean `frame.render`?",
             ),
+            (
+                "SERVER.PING",
+                "there is no method `SERVER.PING`; did you mean `server.ping`?",
+            ),
+            (
+                "render",
+                "there is no method `render`; did you mean `frame.render`?",
+            ),
+            // There are two of that end.
+            ("batch", "there is no method `batch`"),
             ("zzz", "there is no method `zzz`"),
             ("", "there is no method ``"),
         ] {

@@ -31,14 +31,14 @@ mod strict;
 pub use attach::{Attach, Attachments};
 pub use blob::{Blob, BlobError};
 pub use envelope::{BadRequest, Request};
-pub use error::{ErrorObject, Fault, InvalidRigFile, Kind};
+pub use error::{ErrorObject, Fault, InvalidRigFile, Kind, MissingRig};
 pub use id::Id;
 pub use lines::{
     Incoming, Notification, Outgoing, Reply, error_line, notification_line, result_line,
 };
 pub use methods::Method;
 pub use openrpc::openrpc;
-pub use parse::{nearest, params};
+pub use parse::{nearest, params, shortened};
 
 /// The version of the contract, as `server.info` states it. It changes when something is renamed or removed, not when something is added.
 pub const PROTOCOL_VERSION: u32 = 1;

@@ -117,7 +117,7 @@ fn error_of(kind: Kind) -> Value {
 /// What a client must know that OpenRPC has no place for.
 fn transport(error: &Value) -> Value {
     json!({
-        "framing": "TCP. One JSON-RPC 2.0 message to a line, UTF-8, ended by a line feed. No batches: write many lines before reading. Replies come in the order of the requests.",
+        "framing": "TCP. One JSON-RPC 2.0 message to a line, UTF-8, ended by a line feed; the last one before a client closes its half may lack it. No batches: write many lines before reading, with somebody to read the replies. Replies come in the order of the requests.",
         "units": "Lengths in the rig's own units, angles in radians, colors linear RGB from 0 to 1. Matrices are 16 numbers, column-major, acting on column vectors. Right-handed.",
         "request_members": {
             "deadline_ms": {

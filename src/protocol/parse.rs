@@ -39,7 +39,7 @@ pub(super) fn field_error<E: Error>(field: &str, message: impl Display) -> E {
 const FIELD_MARK: char = '\u{1f}';
 
 /// As much of a text from outside as a message can carry.
-pub(super) fn shortened(text: &str) -> String {
+pub fn shortened(text: &str) -> String {
     const LONGEST: usize = 160;
     if text.len() <= LONGEST {
         return text.to_owned();

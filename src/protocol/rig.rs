@@ -127,7 +127,8 @@ pub struct RigList {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct RigSummary {
     pub name: String,
-    /// `sha256:` and 64 hexadecimal digits, over names and contents of all files: the same on every server that has the same files.
+    /// `sha256:` and 64 hexadecimal digits: the same on every server that has the same files. Of a rig that is one file which its content
+    /// alone tells the format of (glTF, most files of CSE 169), the SHA-256 of that file, whatever its name; else over names and contents.
     pub digest: String,
     /// The readers that were used, e.g. `cse169 skel`; each once, in the order of `formats` in `server.info`.
     pub dialects: Vec<String>,

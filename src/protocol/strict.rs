@@ -2,7 +2,8 @@
 //! Never lives here: the types, and the path of a fault (`parse` adds it around this).
 //!
 //! serde's derives take a list for a struct, an object for a unit variant, a repeated key in a map, and forget the path of a list that
-//! is too long. All four are refused here, and an unknown name gets its nearest known one.
+//! is too long. All four are refused here, and an unknown name gets its nearest known one. One thing is let through that serde refuses:
+//! JSON has one kind of number, so an integer may be written `256.0` or `1e2`.
 
 use super::parse::{nearest, shortened};
 use serde::de::value::StrDeserializer;
@@ -14,6 +15,15 @@ use std::fmt;
 
 /// A deserializer that is stricter than the one inside.
 pub(super) struct Strict<D>(pub D);
+
+macro_rules! integers {
+    ($($method:ident: $type:ty,)*) => {
+        $(fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
+            let (least, most) = (<$type>::MIN.into(), <$type>::MAX.into());
+            self.0.$method(Integer { visitor, least, most })
+        })*
+    };
+}
 
 impl<'de, D: Deserializer<'de>> Deserializer<'de> for Strict<D> {
     type Error = D::Error;
@@ -68,18 +78,19 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Strict<D> {
         self.0.deserialize_f64(Number(visitor))
     }
 
-    fn deserialize_u32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
-        let maximum = u32::MAX.into();
-        self.0.deserialize_u64(Integer { visitor, maximum })
-    }
-
-    fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
-        let maximum = u64::MAX;
-        self.0.deserialize_u64(Integer { visitor, maximum })
+    integers! {
+        deserialize_i8: i8,
+        deserialize_i16: i16,
+        deserialize_i32: i32,
+        deserialize_i64: i64,
+        deserialize_u8: u8,
+        deserialize_u16: u16,
+        deserialize_u32: u32,
+        deserialize_u64: u64,
     }
 
     serde::forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u128 f32 char str string bytes byte_buf
+        bool i128 u128 f32 char str string bytes byte_buf
         unit unit_struct newtype_struct tuple_struct identifier ignored_any
     }
 }
@@ -249,26 +260,56 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for Number<V> {
 
 struct Integer<V> {
     visitor: V,
-    maximum: u64,
+    least: i128,
+    most: i128,
+}
+
+impl<V> Integer<V> {
+    fn has(&self, integer: impl Into<i128>) -> bool {
+        (self.least..=self.most).contains(&integer.into())
+    }
 }
 
 impl<'de, V: Visitor<'de>> Visitor<'de> for Integer<V> {
     type Value = V::Value;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "an integer from 0 to {}", self.maximum)
+        write!(f, "an integer from {} to {}", self.least, self.most)
     }
 
     fn visit_u64<E: Error>(self, integer: u64) -> Result<V::Value, E> {
-        if integer > self.maximum {
+        if !self.has(integer) {
             return Err(E::invalid_value(Unexpected::Unsigned(integer), &self));
         }
         self.visitor.visit_u64(integer)
     }
 
     fn visit_i64<E: Error>(self, integer: i64) -> Result<V::Value, E> {
-        Err(E::invalid_value(Unexpected::Signed(integer), &self))
+        if !self.has(integer) {
+            return Err(E::invalid_value(Unexpected::Signed(integer), &self));
+        }
+        self.visitor.visit_i64(integer)
     }
+
+    fn visit_f64<E: Error>(self, number: f64) -> Result<V::Value, E> {
+        let found = Unexpected::Float(number);
+        match exact_integer(number) {
+            Some(integer) if self.has(integer) => self.visitor.visit_i64(integer),
+            None if number.fract() == 0.0 && self.has(number as i128) => {
+                let plainly =
+                    "an integer of 2^53 or more to be written without fraction or exponent";
+                Err(E::invalid_value(found, &plainly))
+            }
+            _ => Err(E::invalid_value(found, &self)),
+        }
+    }
+}
+
+/// The integer that a number with a fraction or an exponent stands for. From 2^53 on float64 has no longer one for each, so that the number
+/// may have been another one in the text.
+pub(super) fn exact_integer(number: f64) -> Option<i64> {
+    const FIRST_INEXACT: f64 = (1_u64 << 53) as f64;
+    (number.fract() == 0.0 && number.abs() < FIRST_INEXACT).then_some(number as i64)
 }
 
 /// What is inside is held to the same rules.

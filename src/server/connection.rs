@@ -91,6 +91,12 @@ fn read(shared: &Shared, stream: &TcpStream, queue: &Queue) {
                     Vec::new(),
                 );
             }
+            Next::Unended(line) => {
+                if let Some(message) = Message::read_unended(&line, Instant::now()) {
+                    answer(&mut conversation, queue, message, Vec::new());
+                }
+                return;
+            }
             Next::Line(line) if is_first && is_http(&line) => return,
             Next::Line(line) => Message::read(&line, Instant::now()),
         };

@@ -8,10 +8,22 @@ use std::time::{Duration, Instant};
 pub(super) enum Next {
     /// Without its end. Blank lines are passed over.
     Line(Vec<u8>),
+    /// What the client sent after the last line end before it closed its half: a whole line perhaps, or the start of one.
+    Unended(Vec<u8>),
     /// The line grew past the limit; where the next one starts is not looked for.
     TooLong,
     /// No more will come: the client is done, is gone, or stopped in the middle of a message.
     End,
+}
+
+/// What waiting for bytes came to.
+#[derive(PartialEq, Eq)]
+enum Filled {
+    More,
+    /// The client has closed its half.
+    Closed,
+    /// The client is gone or was given up.
+    Lost,
 }
 
 /// Reads a client's bytes, never keeping more than a limit allows.
@@ -62,17 +74,20 @@ impl<R: Read> Lines<R> {
             if found.is_none() {
                 self.searched = end;
                 let room = self.line_limit + 1 - (end - self.start);
-                if !self.fill(room, end > self.start, wait, on_bytes) {
-                    return Next::End;
+                match self.fill(room, end > self.start, wait, on_bytes) {
+                    Filled::More => continue,
+                    Filled::Closed if !is_blank(&self.buffer) => {
+                        return Next::Unended(std::mem::take(&mut self.buffer));
+                    }
+                    Filled::Closed | Filled::Lost => return Next::End,
                 }
-                continue;
             }
             let mut line = self.take(end + 1 - self.start);
             line.pop();
             if line.last() == Some(&b'\r') {
                 line.pop();
             }
-            if !line.iter().all(u8::is_ascii_whitespace) {
+            if !is_blank(&line) {
                 return Next::Line(line);
             }
         }
@@ -87,7 +102,7 @@ impl<R: Read> Lines<R> {
     ) -> Option<Vec<u8>> {
         while self.buffer.len() - self.start < count {
             let room = count - (self.buffer.len() - self.start);
-            if !self.fill(room, true, wait, on_bytes) {
+            if self.fill(room, true, wait, on_bytes) != Filled::More {
                 return None;
             }
         }
@@ -110,7 +125,7 @@ impl<R: Read> Lines<R> {
         taken
     }
 
-    /// Reads at least one byte and at most `room`; `false` where there are no more. Only in the middle of a message is a silent client
+    /// Reads at least one byte and at most `room`, behind what is left of the buffer. Only in the middle of a message is a silent client
     /// given up.
     fn fill(
         &mut self,
@@ -118,31 +133,36 @@ impl<R: Read> Lines<R> {
         is_mid_message: bool,
         wait: &impl Fn() -> Wait,
         on_bytes: &impl Fn(usize),
-    ) -> bool {
+    ) -> Filled {
         self.buffer.drain(..self.start);
         self.searched -= self.start;
         self.start = 0;
         let old = self.buffer.len();
         self.buffer.resize(old + room.clamp(1, CHUNK), 0);
         let started = Instant::now();
-        let count = loop {
+        let (filled, count) = loop {
             match self.stream.read(&mut self.buffer[old..]) {
-                Ok(count) => break count,
+                Ok(0) => break (Filled::Closed, 0),
+                Ok(count) => break (Filled::More, count),
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) if is_timeout(&error) => {
                     if matches!(wait(), Wait::Stop)
                         || (is_mid_message && started.elapsed() >= self.stalled)
                     {
-                        break 0;
+                        break (Filled::Lost, 0);
                     }
                 }
-                Err(_) => break 0,
+                Err(_) => break (Filled::Lost, 0),
             }
         };
         self.buffer.truncate(old + count);
         on_bytes(count);
-        count > 0
+        filled
     }
+}
+
+fn is_blank(line: &[u8]) -> bool {
+    line.iter().all(u8::is_ascii_whitespace)
 }
 
 pub(super) fn is_timeout(error: &io::Error) -> bool {
@@ -200,10 +220,42 @@ mod tests {
                 vec![line("ab"), line("c"), Next::End],
             ),
             (vec!["\n \r\n\n", "x\n"], vec![line("x"), Next::End]),
-            (vec!["a\nhalf"], vec![line("a"), Next::End]),
             (vec![], vec![Next::End]),
         ] {
             assert_eq!(all(lines(&pieces, 100)), wanted, "{pieces:?}");
+        }
+    }
+
+    #[test]
+    fn what_has_no_line_end_is_given_where_the_client_closed_its_half() {
+        let line = |text: &str| Next::Line(text.as_bytes().to_vec());
+        let unended = |text: &str| Next::Unended(text.as_bytes().to_vec());
+        for (pieces, wanted) in [
+            (vec!["a\nha", "lf"], vec![line("a"), unended("half")]),
+            (vec!["a\r"], vec![unended("a\r")]),
+            (vec!["a\n \t\r"], vec![line("a"), Next::End]),
+            (vec!["0123456789"], vec![unended("0123456789")]),
+            (vec!["0123456789x"], vec![Next::TooLong]),
+        ] {
+            assert_eq!(all(lines(&pieces, 10)), wanted, "{pieces:?}");
+        }
+        // A client that is gone or silent has not said that this was all.
+        for kind in [ErrorKind::ConnectionReset, ErrorKind::WouldBlock] {
+            let stream = b"half".chain(Failing(kind));
+            let mut reader = Lines::new(stream, 10, Duration::ZERO);
+            assert_eq!(
+                reader.next_line(&|| Wait::GoOn, &|_| {}),
+                Next::End,
+                "{kind}"
+            );
+        }
+    }
+
+    struct Failing(ErrorKind);
+
+    impl Read for Failing {
+        fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+            Err(self.0.into())
         }
     }
 

@@ -1,15 +1,25 @@
 //! What the rooms' errors are called on the wire: one exhaustive match.
 
+use super::names::LISTED;
 use crate::engine::EngineError;
 use crate::formats::LoadError;
 use crate::limits::LimitExceeded;
-use crate::protocol::{Fault, InvalidRigFile};
+use crate::protocol::{Fault, InvalidRigFile, MissingRig, nearest};
 use crate::scene::SceneError;
 
 impl From<EngineError> for Fault {
     fn from(error: EngineError) -> Self {
         match error {
-            EngineError::RigNotLoaded { rig } => Self::RigNotLoaded { rig },
+            EngineError::RigNotLoaded { rig, mut loaded } => {
+                let names = loaded.iter().map(String::as_str);
+                let nearest = nearest(&rig, names).map(str::to_owned);
+                loaded.truncate(LISTED);
+                Self::RigNotLoaded(Box::new(MissingRig {
+                    rig,
+                    nearest,
+                    loaded,
+                }))
+            }
             EngineError::RigNameTaken { rig } => Self::RigNameTaken { rig },
             EngineError::Load(error) => error.into(),
             EngineError::Limit(exceeded) => exceeded.into(),

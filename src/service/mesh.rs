@@ -1,6 +1,7 @@
 //! `mesh.vertices` and `mesh.topology`.
 
 use super::answer::Answer;
+use super::names::unknown;
 use super::scene::of_skinning;
 use super::{Call, describe};
 use crate::engine::{Terms, Timings};
@@ -287,7 +288,8 @@ pub(super) fn queries(
         None => (0..meshes.len()).collect(),
         Some(name) => {
             let index = meshes.iter().position(|mesh| mesh.name() == name);
-            let unknown = || Fault::invalid_params("mesh", format!("the rig has no mesh `{name}`"));
+            let known = meshes.iter().map(|mesh| mesh.name());
+            let unknown = || Fault::invalid_params("mesh", unknown("mesh", name, known));
             vec![index.ok_or_else(unknown)?]
         }
     };

@@ -18,12 +18,39 @@ impl Message {
         }
     }
 
+    /// The last line of a client that closed its half without ending it. `None` where it is no whole JSON object: then it may be the start
+    /// of another line than the client meant to send.
+    pub fn read_unended(line: &[u8], arrived: Instant) -> Option<Self> {
+        let message = Self::read(line, arrived);
+        let is_cut = matches!(
+            &message.request,
+            Err(BadRequest {
+                fault: Fault::ParseError { .. },
+                ..
+            })
+        );
+        if is_cut || !line.trim_ascii_start().starts_with(b"{") {
+            return None;
+        }
+        match message.request {
+            // They come behind the line's end.
+            Ok(Request { attach_bytes, .. }) if attach_bytes > 0 => {
+                let path = "attach_bytes";
+                Some(message.refused(Fault::InvalidRequest {
+                    message: format!("{path}: expected {attach_bytes} raw bytes behind the line, but found neither its end nor any"),
+                    path: Some(path.to_owned()),
+                }))
+            }
+            _ => Some(message),
+        }
+    }
+
     /// A line that outgrew its limit, of which nothing was kept.
     pub fn too_long(limits: &Limits) -> Self {
         let maximum = limits.line_bytes;
         let fault = exceeded("line_bytes", maximum, maximum.saturating_add(1));
         Self {
-            request: Err(refused(Id::Null, fault)),
+            request: Err(unfollowed(Id::Null, fault)),
             arrived: Instant::now(),
         }
     }
@@ -39,13 +66,16 @@ impl Message {
     /// The same message, to be refused because more raw bytes would follow it than may.
     pub fn attaching_too_much(self, limits: &Limits) -> Self {
         let asked = self.attach_bytes().unwrap_or(u64::MAX);
+        self.refused(exceeded("attachment_bytes", limits.attachment_bytes, asked))
+    }
+
+    fn refused(self, fault: Fault) -> Self {
         let id = match self.request {
             Ok(Request { id: Some(id), .. }) | Err(BadRequest { id, .. }) => id,
             Ok(Request { id: None, .. }) => Id::Null,
         };
-        let fault = exceeded("attachment_bytes", limits.attachment_bytes, asked);
         Self {
-            request: Err(refused(id, fault)),
+            request: Err(unfollowed(id, fault)),
             arrived: self.arrived,
         }
     }
@@ -68,7 +98,7 @@ fn exceeded(limit: &str, maximum: u64, asked: u64) -> Fault {
 }
 
 /// Behind such a message nobody knows where the next one starts.
-fn refused(id: Id, fault: Fault) -> BadRequest {
+fn unfollowed(id: Id, fault: Fault) -> BadRequest {
     BadRequest {
         id,
         attach_bytes: None,

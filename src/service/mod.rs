@@ -12,6 +12,7 @@ mod frame;
 mod mesh;
 mod mesh_batch;
 mod message;
+mod names;
 mod pick;
 mod pose;
 mod rig;

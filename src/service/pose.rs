@@ -1,11 +1,12 @@
 //! `pose.*` and `joint.transforms`, and what every request with a pose needs: from names to indices.
 
+use super::names::{unknown, unknown_dof, unknown_joint};
 use super::{Call, describe};
 use crate::engine::{Base, EngineError, RigRef};
 use crate::pose::{Clamped, ClipAt, LimitPolicy, Pose, PoseEdit, Posed, Space};
 use crate::protocol::pose as wire;
 use crate::protocol::rig::RigParams;
-use crate::protocol::{Done, Fault};
+use crate::protocol::{Done, Fault, shortened};
 use crate::rig::{LARGEST_COORDINATE, Rig};
 use glam::{DMat4, DQuat, DVec3};
 use std::collections::BTreeMap;
@@ -305,22 +306,12 @@ fn clip_at(
 fn named_dofs(dofs: &BTreeMap<String, f64>, rig: &Rig) -> Result<Vec<(usize, f64)>, EngineError> {
     let index = |(name, &value): (&String, &f64)| match rig.dofs().named(name) {
         Some(dof) => Ok((dof, value)),
-        None => Err(no_such(format!("pose.dofs.{name}"), unknown_dof(name, rig))),
+        None => Err(no_such(
+            format!("pose.dofs.{}", shortened(name)),
+            unknown_dof(name, rig),
+        )),
     };
     dofs.iter().map(index).collect()
-}
-
-/// What begins as the weights of morph targets do was meant for one.
-fn unknown_dof(name: &str, rig: &Rig) -> String {
-    // The beginning that all have would make any two look alike.
-    fn target(name: &str) -> Option<&str> {
-        name.strip_prefix("morph.")
-    }
-    let known = rig.dofs().all().iter().map(|dof| dof.name.as_str());
-    match target(name) {
-        Some(name) => unknown("morph target", name, known.filter_map(target)),
-        None => unknown("DOF", name, known),
-    }
 }
 
 fn rotations(
@@ -328,7 +319,7 @@ fn rotations(
     rig: &Rig,
 ) -> Result<Vec<(usize, DQuat)>, EngineError> {
     let index = |(name, &rotation): (&String, &[f64; 4])| {
-        let field = || format!("pose.rotations.{name}");
+        let field = || format!("pose.rotations.{}", shortened(name));
         let joint = joint_named(name, rig).map_err(|problem| no_such(field(), problem))?;
         let length = DQuat::from_array(rotation).length();
         // Off by more than float32 or a few printed decimals leave, it was not meant as a rotation.
@@ -345,39 +336,8 @@ fn rotations(
 
 /// The joint's index, or what is wrong with its name.
 fn joint_named(name: &str, rig: &Rig) -> Result<usize, String> {
-    let joints = rig.skeleton().joints().iter();
-    let known = joints.map(|joint| joint.name.as_str());
     let found = rig.skeleton().joint_named(name);
-    found.ok_or_else(|| unknown("joint", name, known))
-}
-
-/// Offers the name that may have been meant, or else a few that there are.
-pub(super) fn unknown<'a>(
-    noun: &str,
-    name: &str,
-    known: impl Iterator<Item = &'a str> + Clone,
-) -> String {
-    /// As many as are read at a glance.
-    const LISTED: usize = 8;
-    if let Some(near) = crate::protocol::nearest(name, known.clone()) {
-        return format!("the rig has no such {noun}; did you mean `{near}`?");
-    }
-    let some: Vec<String> = known
-        .clone()
-        .take(LISTED)
-        .map(|name| format!("`{name}`"))
-        .collect();
-    let more = match known.count().saturating_sub(LISTED) {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
-    if some.is_empty() {
-        return format!("the rig has no such {noun}; it has none");
-    }
-    format!(
-        "the rig has no such {noun}; it has {}{more}",
-        some.join(", ")
-    )
+    found.ok_or_else(|| unknown_joint(name, rig))
 }
 
 pub(super) fn no_such(field: impl Into<String>, problem: impl Into<String>) -> EngineError {

@@ -1,6 +1,8 @@
 //! From the fields of a frame request to a [`Scene`].
 
-use super::{Call, fault, pose};
+use super::names::unknown;
+use super::pose::no_such;
+use super::{Call, fault};
 use crate::engine::{EngineError, LoadedRig};
 use crate::pose::Skinning;
 use crate::protocol::Fault;
@@ -210,8 +212,8 @@ fn of_variant(material: &wire::Material, rig: &Rig) -> Result<Option<usize>, Eng
         Some(variant) => Ok(Some(variant)),
         None => {
             let known = rig.variants().iter().map(String::as_str);
-            let problem = pose::unknown("variant", name, known);
-            Err(pose::no_such("material.variant", problem))
+            let problem = unknown("variant", name, known);
+            Err(no_such("material.variant", problem))
         }
     }
 }

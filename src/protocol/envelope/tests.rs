@@ -20,6 +20,10 @@ fn a_request_is_taken_apart() {
     assert_eq!(request.deadline_ms, Some(250));
     assert_eq!(request.attach_bytes, 12);
 
+    let floats = br#"{"jsonrpc":"2.0","method":"a","deadline_ms":1e2,"attach_bytes":12.0}"#;
+    let floats = Request::parse(floats).unwrap();
+    assert_eq!((floats.deadline_ms, floats.attach_bytes), (Some(100), 12));
+
     let bare = Request::parse(b"{\"jsonrpc\":\"2.0\",\"method\":\"a\"}\r\n").unwrap();
     assert_eq!(
         (bare.id, bare.deadline_ms, bare.attach_bytes),
@@ -42,6 +46,10 @@ fn an_id_is_an_integer_a_short_string_or_null() {
         ("\"\\u0061\\n\"", Id::Text("a\n".into())),
         (&format!("\"{longest}\""), Id::Text(longest.clone())),
         ("null", Id::Null),
+        ("1.0", Id::Integer(1)),
+        ("-1e2", Id::Integer(-100)),
+        ("-0", Id::Integer(0)),
+        ("9007199254740991.0", Id::Integer((1 << 53) - 1)),
     ] {
         let taken = parsed(text).unwrap().id.unwrap();
         assert_eq!(taken, id);
@@ -49,9 +57,11 @@ fn an_id_is_an_integer_a_short_string_or_null() {
         assert_eq!(serde_json::from_str::<Id>(&written).unwrap(), id);
     }
     for text in [
-        "1.0",
-        "1e2",
+        "1.5",
+        "1e-1",
+        "1e300",
         "1e999",
+        "9007199254740992.0",
         "18446744073709551616",
         "true",
         "[]",
@@ -89,21 +99,21 @@ fn a_line_that_is_no_request_says_why_and_keeps_what_could_be_read() {
             5,
             Some(0),
             "jsonrpc",
-            "jsonrpc: expected `\"2.0\"`, but found another version",
+            "jsonrpc: expected `\"2.0\"`, but found `\"1.0\"`",
         ),
         (
             r#"{"jsonrpc":2.0,"method":"a","id":5}"#,
             5,
             Some(0),
             "jsonrpc",
-            "jsonrpc: expected `\"2.0\"`, but found 2.0",
+            "jsonrpc: expected `\"2.0\"`, but found `2.0`",
         ),
         (
             r#"{"jsonrpc":"2.0","method":7,"id":5}"#,
             5,
             Some(0),
             "method",
-            "method: expected a string, but found 7",
+            "method: expected a string, but found integer `7`",
         ),
         (
             r#"{"jsonrpc":"2.0","method":"a","params":[1],"id":5}"#,
@@ -152,28 +162,28 @@ fn a_line_that_is_no_request_says_why_and_keeps_what_could_be_read() {
             5,
             Some(0),
             "deadline_ms",
-            "deadline_ms: expected a number of milliseconds, but found -1",
+            "deadline_ms: expected an integer from 0 to 18446744073709551615, but found integer `-1`",
         ),
         (
             r#"{"jsonrpc":"2.0","method":"a","id":5,"deadline_ms":null}"#,
             5,
             Some(0),
             "deadline_ms",
-            "deadline_ms: expected a number of milliseconds, but found null",
+            "deadline_ms: expected an integer from 0 to 18446744073709551615, but found null",
         ),
         (
             r#"{"jsonrpc":"2.0","method":"a","id":5,"attach_bytes":-1}"#,
             5,
             None,
             "attach_bytes",
-            "attach_bytes: expected a number of bytes, but found -1",
+            "attach_bytes: expected an integer from 0 to 18446744073709551615, but found integer `-1`",
         ),
         (
             r#"{"jsonrpc":"2.0","method":"a","id":5,"attach_bytes":1.5}"#,
             5,
             None,
             "attach_bytes",
-            "attach_bytes: expected a number of bytes, but found 1.5",
+            "attach_bytes: expected an integer from 0 to 18446744073709551615, but found floating point `1.5`",
         ),
         (
             r#"{"a":1,"jsonrpc":"1.0","method":[],"id":5}"#,

@@ -156,6 +156,26 @@ fn a_fault_in_a_frame_request_has_its_path_and_says_what_was_expected() {
             "expected an integer from 0 to 4294967295, but found floating point `0.5`",
         ),
         (
+            r#"{"rig":"a","size":[512,256.5]}"#,
+            "size[1]",
+            "expected an integer from 0 to 4294967295, but found floating point `256.5`",
+        ),
+        (
+            r#"{"rig":"a","size":[1e300,512]}"#,
+            "size[0]",
+            "expected an integer from 0 to 4294967295, but found floating point `1e+300`",
+        ),
+        (
+            r#"{"rig":"a","size":[-1.0,512]}"#,
+            "size[0]",
+            "expected an integer from 0 to 4294967295, but found floating point `-1.0`",
+        ),
+        (
+            r#"{"rig":"a","samples":2.0}"#,
+            "samples",
+            "expected 1 or 4, but found 2",
+        ),
+        (
             r#"{"rig":"a","samples":2}"#,
             "samples",
             "expected 1 or 4, but found 2",
@@ -338,6 +358,16 @@ fn a_fault_in_other_parameters_has_its_path_and_says_what_was_expected() {
             "the field is missing",
         ),
         (
+            r#"{"rig":"a","range":{"start":0,"count":18446744073709551616}}"#,
+            "range.count",
+            "expected an integer from 0 to 18446744073709551615, but found floating point `1.8446744073709552e+19`",
+        ),
+        (
+            r#"{"rig":"a","range":{"start":9007199254740992.0,"count":1}}"#,
+            "range.start",
+            "expected an integer of 2^53 or more to be written without fraction or exponent, but found floating point `9007199254740992.0`",
+        ),
+        (
             r#"{"rig":"a","range":[0,1]}"#,
             "range",
             "expected an object, but found a list",
@@ -437,6 +467,38 @@ fn what_is_left_out_has_its_default() {
         [Attribute::Positions, Attribute::Normals]
     );
     assert_eq!(params::<NoParams>(None), Ok(NoParams {}));
+}
+
+#[test]
+fn an_integer_may_be_written_as_a_float() {
+    let frame: FrameParams = parsed(r#"{"rig":"a","size":[256.0,1e2],"samples":1.0}"#).unwrap();
+    assert_eq!((frame.size, frame.samples), ([256, 100], Samples::One));
+    let text = r#"{"rig":"a","range":{"start":-0.0,"count":9007199254740991.0}}"#;
+    let range = parsed::<VerticesParams>(text).unwrap().range.unwrap();
+    assert_eq!((range.start, range.count), (0, (1 << 53) - 1));
+    let text = r#"{"rig":"a","range":{"start":9007199254740993,"count":18446744073709551615}}"#;
+    let range = parsed::<VerticesParams>(text).unwrap().range.unwrap();
+    assert_eq!((range.start, range.count), ((1 << 53) + 1, u64::MAX));
+    let text = r#"{"files":[{"name":"d","attach":{"offset":1.0,"bytes":20e-1}}]}"#;
+    let load: LoadParams = parsed(text).unwrap();
+    assert!(matches!(
+        &load.files[0],
+        RigFile::Attached { attach, .. } if (attach.offset, attach.bytes) == (1, 2)
+    ));
+    let text = r#"{"dof_values":{"attach":{"offset":0e0,"bytes":8.0}}}"#;
+    let attach = Attach {
+        offset: 0,
+        bytes: 8,
+    };
+    let pose: Pose = parsed(text).unwrap();
+    assert_eq!(pose.dof_values, Some(DofValues::Attached { attach }));
+    let cancel: Cancel = parsed(r#"{"request":7.0}"#).unwrap();
+    assert_eq!(cancel.request, Id::from(7));
+    // No parameter is of these types yet.
+    let narrow: (i8, u8, i16, u16, i32, i64) = parsed("[-1.0,2.0,3.0,4.0,5.0,-6e0]").unwrap();
+    assert_eq!(narrow, (-1, 2, 3, 4, 5, -6));
+    assert!(parsed::<(u8, i8)>("[256.0,0]").is_err());
+    assert!(parsed::<(u8, i8)>("[255.0,-129.0]").is_err());
 }
 
 #[test]
