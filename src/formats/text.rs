@@ -3,7 +3,7 @@
 
 use super::error::FileFault;
 
-const UTF8_BOM: &[u8] = b"\xEF\xBB\xBF";
+pub(super) const UTF8_BOM: &[u8] = b"\xEF\xBB\xBF";
 
 /// The text of a rig file: UTF-8 without NUL, of which plain ASCII is a part. A byte order mark is left out.
 ///

@@ -12,6 +12,7 @@ mod influences;
 mod materials;
 mod meshes;
 mod nodes;
+mod rules;
 mod skins;
 mod textures;
 
@@ -48,7 +49,7 @@ pub(super) fn read(
         json: Some(&container.json),
         ..faults
     };
-    let buffers = Buffers::gather(faults, &container, file, files)?;
+    let buffers = Buffers::gather(faults, &container, file, files, &mut warnings)?;
     let left = Cell::new(MOST_NUMBERS);
     let accessors = Accessors {
         faults,
@@ -87,6 +88,11 @@ pub(super) fn read(
         let clip = reader.read(index, animation, &mut draft.warnings)?;
         draft.clips.push(clip);
     }
+    rules::warn(faults, root, &nodes, &mut draft.warnings);
     draft.joints = nodes.joints;
+    if draft.joints.is_empty() && draft.meshes.is_empty() {
+        let expected = "a scene with a node that is neither a camera nor a light";
+        return Err(faults.load("it", expected, "nothing to draw"));
+    }
     Ok(draft)
 }
