@@ -240,15 +240,16 @@ impl AnimationReader<'_> {
     }
 }
 
-/// The times of keys, those of several at one time apart by as little as can be: the curve jumps there. Between two times of f32 there is
-/// room for half a thousand million of f64.
+/// The times of keys, those of several at one time apart by as little as can be: the curve jumps there to the last of them. Between two
+/// times of f32 there is room for half a thousand million of f64.
 fn apart(times: &[f32]) -> Vec<f64> {
-    let mut before = f64::NEG_INFINITY;
-    let after = |&time: &f32| {
-        before = f64::from(time).max(before.next_up());
-        before
-    };
-    times.iter().map(after).collect()
+    let mut next = f64::INFINITY;
+    let mut apart: Vec<f64> = times.iter().copied().map(f64::from).collect();
+    for time in apart.iter_mut().rev() {
+        *time = time.min(next.next_down());
+        next = *time;
+    }
+    apart
 }
 
 /// What a DOF is less than what the file has: translations are told from rest.

@@ -103,7 +103,10 @@ impl MeshReader<'_, '_> {
         }
         let weights = of_node.or(mesh.weights.as_deref()).unwrap_or_default();
         if !weights.is_empty() && weights.len() != targets {
-            let expected = format!("{targets} weights, one for each morph target");
+            let expected = match targets {
+                0 => "no weights, for it has no morph targets".to_owned(),
+                _ => format!("{targets} weights, one for each morph target"),
+            };
             return Err(faults.load(path, expected, weights.len().to_string()));
         }
         self.limits

@@ -69,6 +69,7 @@ pub(super) fn warn(faults: Faults<'_>, root: &Root, nodes: &Nodes, warnings: &mu
     rules.nodes(nodes);
     rules.skins(nodes);
     rules.textures();
+    rules.materials();
 }
 
 struct Rules<'a> {
@@ -97,6 +98,11 @@ impl Rules<'_> {
 
     fn views(&mut self) {
         let root = self.root;
+        for (index, buffer) in root.buffers.iter().enumerate() {
+            if buffer.byte_length.0 == 0 {
+                self.warn(|| format!("buffers[{index}] is of no bytes"));
+            }
+        }
         for (index, view) in root.buffer_views.iter().enumerate() {
             let path = || format!("bufferViews[{index}]");
             self.check_index(&root.buffers, Some(view.buffer), || path() + ".buffer");
@@ -389,6 +395,40 @@ impl Rules<'_> {
             }
             if image.buffer_view.is_some() && image.mime_type.is_none() {
                 self.warn(|| format!("{} lies in a buffer and has no mimeType", path()));
+            }
+        }
+    }
+
+    fn materials(&mut self) {
+        for (index, material) in self.root.materials.iter().enumerate() {
+            let rough = &material.pbr_metallic_roughness;
+            let factors = [
+                (
+                    "pbrMetallicRoughness.baseColorFactor",
+                    &rough.base_color_factor.0[..],
+                ),
+                (
+                    "pbrMetallicRoughness.metallicFactor",
+                    &[rough.metallic_factor.0],
+                ),
+                (
+                    "pbrMetallicRoughness.roughnessFactor",
+                    &[rough.roughness_factor.0],
+                ),
+                ("emissiveFactor", &material.emissive_factor.0),
+            ];
+            for (member, numbers) in factors {
+                for number in numbers.iter().filter(|it| !(0.0..=1.0).contains(*it)) {
+                    self.warn(|| {
+                        format!("materials[{index}].{member} is {number}, not a number from 0 to 1")
+                    });
+                }
+            }
+            if let Some(cutoff) = material.alpha_cutoff.filter(|cutoff| cutoff.0 < 0.0) {
+                let cutoff = cutoff.0;
+                self.warn(|| {
+                    format!("materials[{index}].alphaCutoff is {cutoff}, not a number from 0 up")
+                });
             }
         }
     }
