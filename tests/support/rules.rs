@@ -356,6 +356,18 @@ pub const RULES: &[Rule] = &[
         "one for each morph target",
     ),
     rule(
+        "a picture of another kind",
+        "IMAGE_MIME_TYPE_INVALID",
+        |it| it.json["images"][0]["mimeType"] = json!("image/jpeg"),
+        "images[0] is called `image/jpeg`, but is `image/png`",
+    ),
+    rule(
+        "a picture of no kind",
+        "TEXTURE_INVALID_IMAGE_MIME_TYPE",
+        |it| it.json["images"][0]["mimeType"] = json!("image/ktx"),
+        "images[0] has the media type `image/ktx`, neither PNG nor JPEG",
+    ),
+    rule(
         "more metal than there is",
         "VALUE_NOT_IN_RANGE",
         |it| it.json["materials"][0]["pbrMetallicRoughness"]["metallicFactor"] = json!(2),

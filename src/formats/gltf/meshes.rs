@@ -83,7 +83,7 @@ impl MeshReader<'_, '_> {
             self.morphs_of[index] = Some((first_morph, self.draft.morphs.len() - first_morph));
             self.draft.meshes.push(draft);
         }
-        self.skins.check_unused(&mut self.draft.warnings)
+        Ok(())
     }
 
     /// The morph targets of a mesh, still without what they move.

@@ -2,8 +2,10 @@
 //! Never lives here: what the readers meet on their way, which they tell themselves.
 
 use super::accessors::element_size;
+use super::buffers::media_type;
 use super::fault::Faults;
 use super::nodes::Nodes;
+use crate::formats::error::quoted;
 use crate::rig::Warnings;
 use gltf_json::accessor::{Accessor, ComponentType, GenericComponentType, Type};
 use gltf_json::mesh::{Primitive, Semantic};
@@ -385,6 +387,15 @@ impl Rules<'_> {
             let source = Some(texture.source).filter(|it| it.value() != u32::MAX as usize);
             self.check_index(&root.images, source, || path() + ".source");
         }
+        for (index, sampler) in root.samplers.iter().enumerate() {
+            for (member, mode) in [("wrapS", sampler.wrap_s), ("wrapT", sampler.wrap_t)] {
+                if matches!(mode, Checked::Invalid) {
+                    self.warn(|| {
+                        format!("samplers[{index}].{member} is no known mode; it repeats")
+                    });
+                }
+            }
+        }
         for (index, image) in root.images.iter().enumerate() {
             let path = || format!("images[{index}]");
             self.check_index(&root.buffer_views, image.buffer_view, || {
@@ -392,6 +403,17 @@ impl Rules<'_> {
             });
             if image.uri.is_some() == image.buffer_view.is_some() {
                 self.warn(|| format!("{} has not one of `uri` and `bufferView`", path()));
+            }
+            let media = image.mime_type.as_ref().map(|it| it.0.as_str());
+            let media = media.or(image.uri.as_deref().and_then(media_type));
+            if let Some(media) = media.filter(|it| !matches!(*it, "image/png" | "image/jpeg")) {
+                self.warn(|| {
+                    format!(
+                        "{} has the media type {}, neither PNG nor JPEG",
+                        path(),
+                        quoted(media)
+                    )
+                });
             }
             if image.buffer_view.is_some() && image.mime_type.is_none() {
                 self.warn(|| format!("{} lies in a buffer and has no mimeType", path()));
