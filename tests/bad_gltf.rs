@@ -10,12 +10,15 @@ use rigd::protocol::ErrorObject;
 use rigd::render::cpu::skin_mesh;
 use rigd::service::Service;
 use serde_json::{Value, json};
-use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
 use std::time::Duration;
-use support::gltf::{Component, Gltf, glb, glb_of};
+use support::everything::{
+    BOUND, INDICES, JOINTS, POSITIONS, TARGET, TEXCOORDS, TIMES, TURNS, WEIGHTS, good, picture,
+};
+use support::gltf::{Gltf, glb, glb_of};
 use support::random::Random;
+use support::rules::{RULES, Rule};
 use support::{ask, ask_ok, time_at_work, with_base64};
 
 static SERVICE: LazyLock<Arc<Service>> = LazyLock::new(support::service);
@@ -24,78 +27,6 @@ static SERVICE: LazyLock<Arc<Service>> = LazyLock::new(support::service);
 const MOST_BYTES: u64 = 64 << 20;
 /// Far more than any of them takes, and far less than it takes to count to 2³¹.
 const MOST_TIME: Duration = Duration::from_secs(10);
-
-/// Accessors of [`good`].
-const POSITIONS: usize = 0;
-const TEXCOORDS: usize = 2;
-const JOINTS: usize = 3;
-const WEIGHTS: usize = 4;
-const INDICES: usize = 5;
-const TARGET: usize = 6;
-const BOUND: usize = 7;
-const TIMES: usize = 8;
-const TURNS: usize = 9;
-
-fn picture() -> Vec<u8> {
-    let mut file = Cursor::new(Vec::new());
-    let picture = image::RgbImage::from_pixel(2, 2, image::Rgb([255, 0, 0]));
-    picture
-        .write_to(&mut file, image::ImageFormat::Png)
-        .expect("a picture");
-    file.into_inner()
-}
-
-/// A bit of everything: a textured triangle with a morph target on two joints, and an animation of both.
-fn good() -> Gltf {
-    let mut gltf = Gltf::default();
-    let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 2.0, 0.0];
-    let attributes = json!({
-        "POSITION": gltf.floats("VEC3", &corners),
-        "NORMAL": gltf.floats("VEC3", &[0.0, 0.0, 1.0].repeat(3)),
-        "TEXCOORD_0": gltf.floats("VEC2", &[0.0, 0.0, 1.0, 0.0, 0.0, 1.0]),
-        "JOINTS_0": gltf.accessor(Component::U8, "VEC4", &[0.0, 1.0, 0.0, 0.0].repeat(3)),
-        "WEIGHTS_0": gltf.floats("VEC4", &[0.5, 0.5, 0.0, 0.0].repeat(3)),
-    });
-    let indices = gltf.accessor(Component::U16, "SCALAR", &[0.0, 1.0, 2.0]);
-    let target = gltf.floats("VEC3", &[0.0, 0.0, 1.0].repeat(3));
-    gltf.push("meshes", json!({"name": "cloth", "weights": [0.25], "primitives": [
-        {"attributes": attributes, "indices": indices, "material": 0, "targets": [{"POSITION": target}]},
-    ]}));
-    let mut bound = [
-        1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
-    ]
-    .repeat(2);
-    bound[29] = -1.0;
-    let bound = gltf.floats("MAT4", &bound);
-    gltf.node(json!({"name": "root", "children": [1]}));
-    gltf.node(json!({"name": "tip", "translation": [0, 1, 0]}));
-    gltf.node(json!({"name": "body", "mesh": 0, "skin": 0}));
-    gltf.push(
-        "skins",
-        json!({"joints": [0, 1], "inverseBindMatrices": bound}),
-    );
-    let times = gltf.floats("SCALAR", &[0.0, 1.0]);
-    let turns = gltf.floats("VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.6, 0.8]);
-    let shares = gltf.floats("SCALAR", &[0.0, 1.0]);
-    for (node, path, output) in [(1, "rotation", turns), (2, "weights", shares)] {
-        let sampler = json!({"input": times, "output": output, "interpolation": "LINEAR"});
-        gltf.channel("wave", json!({"node": node, "path": path}), sampler);
-    }
-    let view = gltf.view(&picture());
-    gltf.push(
-        "images",
-        json!({"bufferView": view, "mimeType": "image/png"}),
-    );
-    gltf.push("samplers", json!({}));
-    gltf.push("textures", json!({"source": 0, "sampler": 0}));
-    let texture = json!({"baseColorTexture": {"index": 0}});
-    gltf.push(
-        "materials",
-        json!({"name": "red", "pbrMetallicRoughness": texture}),
-    );
-    gltf.scene(&[0, 2]);
-    gltf
-}
 
 fn rigs() -> Value {
     ask_ok(&SERVICE, "rig.list", json!({}))
@@ -729,7 +660,6 @@ fn animations_that_do_not_add_up_are_refused() {
             "",
         ),
         ("keys out of order", |it| it.set_float(TIMES, 1, -1.0), ""),
-        ("keys at one time", |it| it.set_float(TIMES, 1, 0.0), ""),
         ("a time of NaN", |it| it.set_float(TIMES, 1, f32::NAN), ""),
         (
             "a time of infinity",
@@ -783,16 +713,7 @@ fn animations_that_do_not_add_up_are_refused() {
             |it| sampler(it)["interpolation"] = json!("BEZIER"),
             "BEZIER",
         ),
-        (
-            "weights of a node without morph targets",
-            |it| it.json["animations"][0]["channels"][1]["target"]["node"] = json!(0),
-            "",
-        ),
     ]);
-    let mut gltf = good();
-    let again = channel(&mut gltf).clone();
-    gltf.json["animations"][0]["channels"][1] = again;
-    assert_no_harm("two channels for one thing", gltf.files());
 }
 
 #[test]
@@ -873,12 +794,115 @@ fn empty_things_do_no_harm() {
     for (what, by) in rows {
         assert_no_harm(what, broken(by).files());
     }
-    let bare = json!([{"name": "x.gltf", "text": r#"{"asset": {"version": "2.0"}}"#}]);
-    assert_no_harm("nothing at all", bare);
 }
 
 fn text(content: &str) -> Value {
     json!([{"name": "x.gltf", "text": content}])
+}
+
+#[test]
+fn what_breaks_a_rule_is_told_by_name() {
+    for Rule { what, by, told, .. } in RULES {
+        let mut gltf = good();
+        by(&mut gltf);
+        match outcome(what, gltf.files()) {
+            Ok(summary) if told.is_empty() => {
+                assert_eq!(summary["warnings"], json!([]), "{what}");
+            }
+            Ok(summary) => {
+                let warnings = summary["warnings"].as_array().expect("a list");
+                let mut sentences = warnings.iter().filter_map(Value::as_str);
+                let is_told = sentences.any(|it| it.contains(told));
+                assert!(is_told, "{what}: no `{told}` in {warnings:?}");
+            }
+            Err(error) => {
+                assert!(!told.is_empty(), "{what}: {error}");
+                assert_is_clear(what, &error, "x.gltf", told);
+            }
+        }
+    }
+}
+
+#[test]
+fn an_index_past_32_bits_is_not_cut_to_one_that_is_there() {
+    for index in [1_u64 << 32, (1 << 32) - 1, (1 << 40) + 1] {
+        for (what, by) in [
+            (
+                "mesh",
+                (|it, index| it.json["nodes"][2]["mesh"] = index) as fn(&mut Gltf, Value),
+            ),
+            ("node", |it, index| {
+                it.json["animations"][0]["channels"][0]["target"]["node"] = index
+            }),
+            ("mode", |it, index| primitive(it)["mode"] = index),
+        ] {
+            let mut gltf = good();
+            by(&mut gltf, json!(index));
+            assert_refused(&format!("{what} {index}"), gltf.files(), &index.to_string());
+        }
+    }
+}
+
+#[test]
+fn broken_json_is_told_where_it_breaks_and_in_plain_words() {
+    for (content, told) in [
+        (
+            "{\"a\": }",
+            "x.gltf:1:7: expected a value of JSON, but found `}`",
+        ),
+        (
+            "{\n\"ä\": tru}",
+            "x.gltf:2:9: expected a value of JSON, but found `}`",
+        ),
+        (
+            "{\"a\" 1}",
+            "x.gltf:1:6: expected `:` in the JSON, but found `1`",
+        ),
+        (
+            "{\"a\": [1 2]}",
+            "x.gltf:1:10: expected `,` or `]` in the JSON, but found `2`",
+        ),
+        (
+            "{a: 1}",
+            "x.gltf:1:2: expected a name in double quotes, but found `a`",
+        ),
+        (
+            "{\n  \"a\": [1,",
+            "x.gltf:2:10: expected more JSON, but found the end of the file",
+        ),
+        (
+            "{} x",
+            "x.gltf:1:4: expected nothing after the JSON, but found `x`",
+        ),
+        (
+            "{\"a\": [1,]}",
+            "x.gltf:1:10: expected JSON, but found trailing comma",
+        ),
+    ] {
+        let error = outcome("json", text(content)).expect_err("it is no JSON");
+        assert_eq!(error.message, told, "{content}");
+    }
+}
+
+#[test]
+fn a_member_of_the_wrong_kind_is_told_by_its_path() {
+    for (member, told) in [
+        (
+            r#""nodes": [{"mesh": "a"}]"#,
+            "expected nodes[0].mesh: index into child of root, but found string \"a\"",
+        ),
+        (
+            r#""accessors": [{"type": "SCALAR", "componentType": 5126}]"#,
+            "expected accessors[0]: a member `count`, but found none",
+        ),
+        (
+            r#""nodes": [{"mesh": 0}]"#,
+            "expected nodes[0].mesh: no index, for the file has no meshes, but found 0",
+        ),
+    ] {
+        let content = format!(r#"{{"asset": {{"version": "2.0"}}, {member}}}"#);
+        assert_refused(member, text(&content), told);
+    }
 }
 
 #[test]
@@ -1003,6 +1027,62 @@ fn a_binary_file_that_lies_about_itself_is_refused() {
             Ok(summary) => panic!("{what}: loaded as {summary}"),
             Err(error) => assert_is_clear(what, &error, "x.glb", ""),
         }
+    }
+}
+
+#[test]
+fn chunks_of_other_types_are_passed_over() {
+    let sound = good();
+    let document = sound.document(None).to_string();
+    let json = format!(
+        "{document:width$}",
+        width = document.len().next_multiple_of(4)
+    );
+    let (json, bytes, other) = (
+        (*b"JSON", json.as_bytes()),
+        &sound.bytes[..],
+        (*b"TEST", &b"abcd"[..]),
+    );
+    let bytes = (*b"BIN\0", bytes);
+    let mut longer = sound.glb();
+    longer.extend(b"abcd");
+    for (what, file, told) in [
+        (
+            "after the bytes",
+            glb_of(&[json, bytes, other]),
+            "unknown type `TEST`",
+        ),
+        (
+            "before the bytes",
+            glb_of(&[json, other, bytes]),
+            "not the second one",
+        ),
+        (
+            "empty",
+            glb_of(&[json, bytes, (*b"TEST", b"")]),
+            "unknown type `TEST`",
+        ),
+        (
+            "twice the bytes",
+            glb_of(&[json, bytes, bytes]),
+            "a further chunk `BIN`",
+        ),
+        (
+            "two documents",
+            glb_of(&[json, bytes, json]),
+            "a further chunk `JSON`",
+        ),
+        (
+            "more than its header tells of",
+            longer,
+            "4 bytes after its end",
+        ),
+    ] {
+        let summary = outcome(what, json!([with_base64("x.glb", &file)])).expect(what);
+        assert!(
+            summary["warnings"].to_string().contains(told),
+            "{what}: {summary}"
+        );
     }
 }
 

@@ -303,6 +303,157 @@ fn points_and_lines_are_left_out_and_warned_of() {
     }
 }
 
+fn case(name: &str) -> Value {
+    let path = format!("{}/tests/cases/gltf/{name}", env!("CARGO_MANIFEST_DIR"));
+    let content = std::fs::read(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
+    json!([with_base64(name, &content)])
+}
+
+/// One triangle, whatever else the file has.
+#[test]
+fn what_is_valid_and_seldom_loads() {
+    for (name, told) in [
+        ("accessor_of_zeros.gltf", None),
+        ("data_uri_percent_encoded.gltf", None),
+        ("integers_as_floats.gltf", None),
+        ("unused_placeholder_buffer.gltf", Some("buffers[1]")),
+        ("glb_json_then_unknown_chunk_no_bin.glb", Some("`TEST`")),
+    ] {
+        let summary = load_files(name, case(name));
+        let warnings = warnings(&summary);
+        assert_eq!(
+            warnings.len(),
+            usize::from(told.is_some()),
+            "{name}: {warnings:?}"
+        );
+        assert!(
+            warnings
+                .iter()
+                .all(|it| it.contains(told.unwrap_or_default())),
+            "{warnings:?}"
+        );
+        let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        assert_eq!(positions(name, json!({})), corners, "{name}");
+    }
+    let moved = positions(
+        "accessor_of_zeros.gltf",
+        json!({"dofs": {"morph.morph_0": 1.0}}),
+    );
+    assert_eq!(moved, [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+}
+
+#[test]
+fn points_are_left_out_with_what_moves_them() {
+    let name = "morphed_points_animated.gltf";
+    let summary = load_files(name, case(name));
+    let warnings = warnings(&summary);
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert!(warnings[0].contains("meshes[1].primitives[0] is not made of triangles"));
+    assert!(warnings[1].contains("animations[0].channels[0] moves morph targets of nodes[1]"));
+    assert_eq!(
+        (&summary["triangle_count"], &summary["clip_count"]),
+        (&json!(1), &json!(1))
+    );
+    assert_eq!(positions(name, clip_at("clip_0", 0.5)).len(), 9);
+}
+
+/// The node turns y to -z and is a hundred times as large; the skin's joint stands where it does.
+#[test]
+fn a_vertex_without_weights_stands_where_the_node_puts_it() {
+    let name = "vertex_without_weights.gltf";
+    let summary = load_files(name, case(name));
+    assert!(
+        warnings(&summary)[0].contains("1 vertices have no weights"),
+        "{summary}"
+    );
+    let wanted = [0.0, 0.0, 0.0, 100.0, 0.0, 0.0, 0.0, 0.0, -100.0];
+    assert_near(&positions(name, json!({})), &wanted, 1e-3, name);
+}
+
+#[test]
+fn what_has_no_weights_moves_with_its_node_and_not_with_the_skin() {
+    let set = |gltf: &mut Gltf, weights: [f32; 4]| {
+        // Accessor 0 holds the weights, the first vertex is on the root alone.
+        for (index, weight) in weights.into_iter().enumerate() {
+            gltf.set_float(0, index, weight);
+        }
+    };
+    for (name, weights) in [("none", [0.0; 4]), ("none in all", [-1.0, 1.0, 0.0, 0.0])] {
+        let mut gltf = arm(Component::U8, Component::F32);
+        gltf.json["nodes"][2]["translation"] = json!([5, 0, 0]);
+        set(&mut gltf, weights);
+        load(name, &gltf);
+        // The others are bound to the skin, for which the node counts nothing.
+        let mut wanted = ARM;
+        wanted[0] = 5.0;
+        assert_near(&positions(name, json!({})), &wanted, F32, name);
+        let moved = json!({"dofs": {"body.ty": 3.0, "root.tx": 1.0}});
+        assert_near(
+            &positions(name, moved)[..6],
+            &[5.0, 3.0, 0.0, 1.0, 2.0, 0.0],
+            F32,
+            name,
+        );
+    }
+    let mut gltf = arm(Component::U8, Component::F32);
+    gltf.json["nodes"][2]["translation"] = json!([5, 0, 0]);
+    let attributes = gltf.json["meshes"][0]["primitives"][0]["attributes"].as_object_mut();
+    let attributes = attributes.expect("an object");
+    attributes.retain(|name, _| name == "POSITION");
+    let summary = load("jointless", &gltf);
+    assert!(
+        warnings(&summary)[0].contains("3 vertices have no weights"),
+        "{summary}"
+    );
+    let all = positions("jointless", json!({}));
+    assert_near(&all[..6], &[5.0, 0.0, 0.0, 5.0, 2.0, 0.0], F32, "jointless");
+}
+
+/// With and without base64, escaped or broken into lines, padded or not.
+#[test]
+fn a_data_uri_holds_the_same_bytes_however_it_is_written() {
+    let gltf = triangle();
+    let base64 = gltf.data_uri();
+    let (head, text) = base64.split_once(',').expect("a data URI");
+    let escaped = |bytes: &[u8]| {
+        let escape = |byte: &u8| format!("%{byte:02x}");
+        bytes.iter().map(escape).collect::<String>()
+    };
+    let (first, last) = text.split_at(10);
+    for (what, uri) in [
+        (
+            "escaped base64",
+            format!("{head},{}", escaped(text.as_bytes())),
+        ),
+        (
+            "padding that is escaped",
+            format!("{head},{}%3D%3D", text.trim_end_matches('=')),
+        ),
+        (
+            "no padding",
+            format!("{head},{}", text.trim_end_matches('=')),
+        ),
+        ("two lines", format!("{head},{first}%0D%0A{last}")),
+        (
+            "a parameter before",
+            format!("data:application/octet-stream;charset=x;BASE64,{text}"),
+        ),
+        (
+            "bytes",
+            format!("data:application/octet-stream,{}", escaped(&gltf.bytes)),
+        ),
+        (
+            "bytes of no medium",
+            format!("data:,{}", escaped(&gltf.bytes)),
+        ),
+    ] {
+        let content = gltf.document(Some(&uri)).to_string();
+        let summary = load_files(what, json!([{"name": "x.gltf", "text": content}]));
+        assert_eq!(warnings(&summary), [""; 0], "{what}");
+        assert_eq!(positions(what, json!({})), CORNERS, "{what}");
+    }
+}
+
 /// Two joints, the second at (0, 1, 0). One vertex on the first, one on the second, one on both by halves. Bound at rest.
 ///
 /// ```text
@@ -1316,6 +1467,57 @@ fn blends_that_make_no_sense_are_refused() {
             ask_kind(&SERVICE, "joint.transforms", params),
             "invalid_params",
             "{pose}"
+        );
+    }
+}
+
+/// Before the second key of two at one time the curve goes to the first of them, from then on it leaves the second.
+#[test]
+fn a_curve_jumps_where_two_keys_are_at_one_time() {
+    let values = [0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 6.0, 0.0, 0.0, 8.0, 0.0, 0.0];
+    let gltf = animated(
+        "translation",
+        &[0.0, 1.0, 1.0, 2.0],
+        "VEC3",
+        &values,
+        "LINEAR",
+    );
+    let summary = load("jump", &gltf);
+    assert!(warnings(&summary)[0].contains("1 keys at the time of the one before"));
+    assert_eq!(describe("jump")["clips"][0]["range"], json!([0.0, 2.0]));
+    for (time, x) in [(0.5, 1.0), (0.999, 1.998), (1.0, 6.0), (1.5, 7.0)] {
+        let at = place("jump", "stand", clip_at("c", time));
+        assert_near(&at, &[x, 0.0, 0.0], NEAR, &time.to_string());
+    }
+}
+
+#[test]
+fn of_two_channels_on_one_target_the_first_counts() {
+    let mut gltf = animated("translation", &[0.0], "VEC3", &[1.0, 2.0, 3.0], "STEP");
+    let target = gltf.json["animations"][0]["channels"][0]["target"].clone();
+    let [input, output] = [&[0.0][..], &[7.0; 3]].map(|it| it.to_vec());
+    let input = gltf.floats("SCALAR", &input);
+    let output = gltf.floats("VEC3", &output);
+    gltf.channel("c", target, json!({"input": input, "output": output}));
+    let summary = load("contested", &gltf);
+    assert!(warnings(&summary)[0].contains("channels[1] has the target of channels[0]"));
+    let at = place("contested", "stand", clip_at("c", 0.0));
+    assert_near(&at, &[1.0, 2.0, 3.0], NEAR, "the first channel");
+}
+
+#[test]
+fn a_key_of_no_rotation_is_none() {
+    for interpolation in ["STEP", "LINEAR"] {
+        let gltf = animated("rotation", &[0.0, 1.0], "VEC4", &[0.0; 8], interpolation);
+        let name = format!("no turn, {interpolation}");
+        let summary = load(&name, &gltf);
+        assert!(warnings(&summary)[0].contains("2 rotations that are no unit quaternions"));
+        let at = joint(&name, "stand", clip_at("c", 0.5));
+        assert_near(
+            &linear_part(&at),
+            &rotation_columns([0.0, 0.0, 0.0, 1.0]),
+            NEAR,
+            interpolation,
         );
     }
 }

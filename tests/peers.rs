@@ -10,7 +10,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::{Arc, LazyLock, OnceLock};
 use support::ask_ok;
+use support::everything::good;
 use support::pictures::{ask_attached, attached_bytes};
+use support::rules::RULES;
 
 /// Each test loads rigs under names of its own.
 static SERVICE: LazyLock<Arc<Service>> = LazyLock::new(support::service);
@@ -357,4 +359,36 @@ fn the_validator_finds_nothing_wrong_with_our_model() {
     let issues: Value = serde_json::from_slice(&output.stdout).expect("the validator's JSON");
     let counts = ["numErrors", "numWarnings"].map(|kind| issues[kind].as_u64());
     assert_eq!(counts, [Some(0), Some(0)], "{issues}");
+}
+
+/// What we say of the same documents is held against the same table elsewhere.
+#[test]
+fn the_rules_that_we_know_are_those_of_the_validator() {
+    let Some(peers) = peers() else { return };
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("rules");
+    std::fs::create_dir_all(&folder).expect("a folder of the tests' own");
+    let written = RULES.iter().enumerate().map(|(index, rule)| {
+        let mut gltf = good();
+        (rule.by)(&mut gltf);
+        let file = folder.join(format!("{index}.gltf"));
+        std::fs::write(&file, gltf.text()).expect("it can be written");
+        file
+    });
+    let files: Vec<_> = written.collect();
+    let files: Vec<_> = files.iter().map(PathBuf::as_path).collect();
+    let output = node(peers, "validate.mjs", &files);
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(said.lines().count(), RULES.len(), "{output:?}");
+    for (rule, line) in RULES.iter().zip(said.lines()) {
+        let issues: Value = serde_json::from_str(line).expect("the validator's JSON");
+        let messages = issues["messages"].as_array().expect("a list");
+        // Severity 0 is an error.
+        let errors = messages.iter().filter(|it| it["severity"] == 0);
+        let codes: Vec<_> = errors.filter_map(|it| it["code"].as_str()).collect();
+        let is_agreed = match rule.code {
+            Some(code) => codes.contains(&code),
+            None => codes.is_empty(),
+        };
+        assert!(is_agreed, "{}: {codes:?}", rule.what);
+    }
 }

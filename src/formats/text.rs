@@ -5,7 +5,7 @@ use super::error::FileFault;
 use crate::rig::Warnings;
 use std::borrow::Cow;
 
-const UTF8_BOM: &[u8] = b"\xEF\xBB\xBF";
+pub(super) const UTF8_BOM: &[u8] = b"\xEF\xBB\xBF";
 
 /// The text of a rig file. A byte order mark is left out. Bytes that are not UTF-8 are taken for Latin-1, which older editors write, and
 /// NUL bytes at the end are left out, which some programs write as the end of a string: a warning each.

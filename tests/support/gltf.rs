@@ -102,8 +102,14 @@ impl Gltf {
         if is_padded {
             self.json["bufferViews"][view]["byteStride"] = json!(size.next_multiple_of(4));
         }
+        let bound = |fold: fn(f64, f64) -> f64| {
+            let of_component = |at: usize| numbers.iter().skip(at).step_by(width(shape)).copied();
+            let bound = |at: usize| of_component(at).reduce(fold).map(|it| it as f32);
+            (0..width(shape)).map(bound).collect::<Vec<_>>()
+        };
         let accessor = json!({
             "bufferView": view, "componentType": component.code(), "type": shape, "count": count,
+            "min": bound(f64::min), "max": bound(f64::max),
         });
         self.push("accessors", accessor)
     }

@@ -4,11 +4,13 @@
 #![allow(dead_code, reason = "each test uses a part")]
 
 pub mod alike;
+pub mod everything;
 pub mod gltf;
 pub mod oracle;
 pub mod pictures;
 pub mod quads;
 pub mod random;
+pub mod rules;
 pub mod server;
 pub mod suite;
 

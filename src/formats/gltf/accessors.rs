@@ -4,7 +4,8 @@
 use super::buffers::Buffers;
 use super::fault::Faults;
 use crate::formats::error::LoadError;
-use gltf_json::accessor::{Accessor, ComponentType, Type};
+use gltf_json::accessor::{Accessor, ComponentType, GenericComponentType, Type};
+use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
 use std::cell::Cell;
 
@@ -20,6 +21,10 @@ pub(super) struct Accessors<'a> {
 
 /// As many as fill the largest rig several times over, and as are read in a few seconds.
 pub(super) const MOST_NUMBERS: u64 = 1 << 30;
+
+/// Elements that an accessor without a buffer view may have in a file of few bytes. Zeros cost nothing to claim: in a larger file there may be
+/// as many as it has bytes in its buffers.
+const ZEROS: u64 = 1 << 16;
 
 /// What an accessor is asked to be.
 #[derive(Debug, Clone, Copy)]
@@ -64,6 +69,15 @@ impl<'a> Accessors<'a> {
     /// How many elements it has. `path` is that of the member which names it.
     pub fn count(&self, index: Index<Accessor>, path: &str) -> Result<usize, LoadError> {
         Ok(self.accessor(index, path)?.count.0 as usize)
+    }
+
+    /// The largest number that fits its components, which no index of a vertex may be.
+    pub fn largest_index(&self, index: Index<Accessor>) -> Option<u32> {
+        match self.root.accessors.get(index.value())?.component_type {
+            Checked::Valid(GenericComponentType(ComponentType::U8)) => Some(u8::MAX.into()),
+            Checked::Valid(GenericComponentType(ComponentType::U16)) => Some(u16::MAX.into()),
+            _ => Some(u32::MAX),
+        }
     }
 
     /// All numbers of all elements, and how many an element has.
@@ -159,14 +173,16 @@ impl<'a> Accessors<'a> {
             let found = format!("{kind:?} of {component:?}{bare}");
             return Err(faults.load(&path, wanted.expected, found));
         }
-        // Zeros cost nothing to claim, so there may be no more of them than the file has of other things.
         let most = match accessor.buffer_view {
             Some(_) => u64::from(u32::MAX),
-            None => self.buffers.bytes(),
+            None => self.buffers.bytes().max(ZEROS),
         };
         if accessor.count.0 == 0 || accessor.count.0 > most {
             let path = format!("{own}.count");
-            let expected = format!("a number from 1 to {most}");
+            let expected = match accessor.count.0 {
+                0 => "at least one element".to_owned(),
+                _ => format!("at most {most} elements"),
+            };
             return Err(faults.load(&path, expected, accessor.count.0.to_string()));
         }
         let count = accessor.count.0 as usize;
@@ -186,10 +202,6 @@ impl<'a> Accessors<'a> {
                 Some(self.strided(&own, (bytes, stride), offset, count, size)?)
             }
         };
-        if base.is_none() && accessor.sparse.is_none() {
-            // Zeros are worth something only under what differs from them, and cost nothing to claim.
-            return Err(faults.load(&own, "a `bufferView` or `sparse`", "neither"));
-        }
         let sparse = match &accessor.sparse {
             None => None,
             Some(sparse) => {
@@ -300,7 +312,7 @@ fn components_of(kind: Type) -> usize {
     }
 }
 
-fn element_size(kind: Type, component: ComponentType) -> usize {
+pub(super) fn element_size(kind: Type, component: ComponentType) -> usize {
     components_of(kind) * size_of_component(component)
 }
 

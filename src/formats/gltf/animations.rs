@@ -1,7 +1,8 @@
 //! Animations as clips. Never lives here: what a pose makes of them.
 
 use super::accessors::{Accessors, Wanted};
-use super::nodes::Nodes;
+use super::container::NO_NODE;
+use super::nodes::{Nodes, is_unit};
 use crate::formats::error::LoadError;
 use crate::limits::Limits;
 use crate::rig::{
@@ -13,6 +14,7 @@ use gltf_json::Animation;
 use gltf_json::accessor::ComponentType::{F32, I8, I16, U8, U16};
 use gltf_json::accessor::Type;
 use gltf_json::animation::{Channel, Interpolation as InFile, Property};
+use std::collections::HashMap;
 
 const TIMES: Wanted = Wanted {
     types: &[Type::Scalar],
@@ -52,6 +54,11 @@ pub(super) struct AnimationReader<'a> {
 
 /// The numbers of a channel: at each time as many as it sets, or three times that with slopes.
 struct Sampled {
+    /// The first time and the last one.
+    range: [f64; 2],
+    /// How many keys are at the time of the one before.
+    jumps: usize,
+    /// Each after the one before.
     times: Vec<f64>,
     values: Vec<f32>,
     width: usize,
@@ -68,31 +75,69 @@ impl AnimationReader<'_> {
         let faults = self.accessors.faults;
         let mut channels = Vec::new();
         let mut range: Option<[f64; 2]> = None;
-        for (place, channel) in animation.channels.iter().enumerate() {
+        // By node and what of it is moved, the channel that moves it.
+        let mut taken: HashMap<(usize, u8), usize> = HashMap::new();
+        let moving = animation.channels.iter().enumerate();
+        let moving = moving.filter(|(_, channel)| channel.target.node.value() != NO_NODE as usize);
+        for (place, channel) in moving {
             let path = format!("animations[{index}].channels[{place}]");
             let node = channel.target.node;
             let node_path = format!("{path}.target.node");
-            faults.get(&self.accessors.root.nodes, "nodes", node, &node_path)?;
+            let of_file = faults.get(&self.accessors.root.nodes, "nodes", node, &node_path)?;
+            let node = node.value();
             let paths = "translation, rotation, scale or weights";
             let property =
                 faults.valid(channel.target.path, &format!("{path}.target.path"), paths)?;
-            let Some((sampled, targets)) =
-                self.sampled(index, animation, channel, property, &path)?
-            else {
-                continue;
+            let mut warn = |sentence: &str| {
+                warnings.push(|| faults.warning(&format!("{path} {sentence}")));
             };
-            if let (Some(&first), Some(&last)) = (sampled.times.first(), sampled.times.last()) {
-                let [start, end] = range.unwrap_or([first, last]);
-                range = Some([start.min(first), end.max(last)]);
+            if let Some(other) = taken.insert((node, property as u8), place) {
+                taken.insert((node, property as u8), other);
+                let same = format!("has the target of channels[{other}] and is left out");
+                warn(&same);
+                continue;
+            }
+            let is_of_morphs = property == Property::MorphTargetWeights;
+            if is_of_morphs && self.morphs_of[node].is_none_or(|(_, count)| count == 0) {
+                if self.nodes.is_in_scene[node] {
+                    let nothing = format!(
+                        "moves morph targets of nodes[{node}], which draws none, and is left out"
+                    );
+                    warn(&nothing);
+                }
+                continue;
+            }
+            if !is_of_morphs && of_file.matrix.is_some() {
+                let matrix =
+                    format!("moves nodes[{node}], which has a matrix; the matrix is taken apart");
+                warn(&matrix);
+            }
+            let (sampled, targets) = self.sampled(index, animation, channel, property, &path)?;
+            let [first, last] = sampled.range;
+            let [start, end] = range.unwrap_or([first, last]);
+            range = Some([start.min(first), end.max(last)]);
+            if first < 0.0 {
+                warn("has a key before 0 seconds");
+            }
+            if sampled.jumps > 0 {
+                let jumps = format!("has {} keys at the time of the one before", sampled.jumps);
+                warn(&jumps);
+            }
+            if sampled.times.len() == 1 && sampled.interpolation == Interpolation::Cubic {
+                warn("has a spline of one key, whose value holds");
             }
             // What moves nothing that is there moves nothing.
-            let Some(joint) = self.nodes.joint_of[node.value()] else {
+            let Some(joint) = self.nodes.joint_of[node] else {
                 continue;
             };
             self.keys += sampled.times.len() * targets.len().max(1);
             self.limits.keys(self.keys)?;
             if property == Property::Rotation {
-                let curve = sampled.rotations();
+                let (curve, not_unit) = sampled.rotations();
+                if not_unit > 0 {
+                    let sentence = format!("has {not_unit} rotations that are no unit quaternions");
+                    warn(&sentence);
+                }
                 channels.push(ChannelDraft::Rotation { joint, curve });
                 continue;
             }
@@ -114,7 +159,7 @@ impl AnimationReader<'_> {
         })
     }
 
-    /// The keys of a channel, and the DOFs that its components set; `None` where its node has nothing of the kind.
+    /// The keys of a channel, and the DOFs that its components set.
     fn sampled(
         &self,
         index: usize,
@@ -122,7 +167,7 @@ impl AnimationReader<'_> {
         channel: &Channel,
         property: Property,
         path: &str,
-    ) -> Result<Option<(Sampled, Vec<DofKind>)>, LoadError> {
+    ) -> Result<(Sampled, Vec<DofKind>), LoadError> {
         let faults = self.accessors.faults;
         let node = channel.target.node.value();
         let joint = self.nodes.joint_of[node].unwrap_or_default();
@@ -136,17 +181,11 @@ impl AnimationReader<'_> {
                 (VECTORS, Axis::ALL.map(target).to_vec())
             }
             Property::Rotation => (ROTATIONS, Vec::new()),
-            Property::MorphTargetWeights => match self.morphs_of[node] {
-                Some((first, count)) if count > 0 => {
-                    let target = |morph| DofKind::Morph { morph };
-                    (WEIGHTS, (first..first + count).map(target).collect())
-                }
-                _ if self.nodes.is_in_scene[node] => {
-                    let expected = "a node whose mesh has morph targets";
-                    return Err(faults.load(&format!("{path}.target"), expected, "another"));
-                }
-                _ => return Ok(None),
-            },
+            Property::MorphTargetWeights => {
+                let (first, count) = self.morphs_of[node].unwrap_or_default();
+                let target = |morph| DofKind::Morph { morph };
+                (WEIGHTS, (first..first + count).map(target).collect())
+            }
         };
         let sampler_path = format!("animations[{index}].samplers[{}]", channel.sampler.value());
         let samplers = &animation.samplers;
@@ -167,7 +206,7 @@ impl AnimationReader<'_> {
         self.limits
             .keys(self.keys + self.accessors.count(sampler.input, &input)?)?;
         let (times, _) = self.accessors.floats(sampler.input, &input, TIMES)?;
-        if let Some(place) = times.windows(2).position(|pair| pair[0] >= pair[1]) {
+        if let Some(place) = times.windows(2).position(|pair| pair[0] > pair[1]) {
             let path = format!("{input}, key {}", place + 1);
             let expected = format!("a time after {}", times[place]);
             return Err(faults.load(&path, expected, times[place + 1].to_string()));
@@ -190,13 +229,27 @@ impl AnimationReader<'_> {
             return Err(faults.load(&output, expected, found.to_string()));
         }
         let sampled = Sampled {
-            times: times.into_iter().map(f64::from).collect(),
+            range: [times[0], times[times.len() - 1]].map(f64::from),
+            jumps: times.windows(2).filter(|pair| pair[0] == pair[1]).count(),
+            times: apart(&times),
             values,
             width: width * of_element,
             interpolation,
         };
-        Ok(Some((sampled, targets)))
+        Ok((sampled, targets))
     }
+}
+
+/// The times of keys, those of several at one time apart by as little as can be: the curve jumps there to the last of them. Between two
+/// times of f32 there is room for half a thousand million of f64.
+fn apart(times: &[f32]) -> Vec<f64> {
+    let mut next = f64::INFINITY;
+    let mut apart: Vec<f64> = times.iter().copied().map(f64::from).collect();
+    for time in apart.iter_mut().rev() {
+        *time = time.min(next.next_down());
+        next = *time;
+    }
+    apart
 }
 
 /// What a DOF is less than what the file has: translations are told from rest.
@@ -237,14 +290,18 @@ impl Sampled {
         )
     }
 
-    fn rotations(&self) -> Curve<DQuat> {
+    /// And how many of them are not unit quaternions.
+    fn rotations(&self) -> (Curve<DQuat>, usize) {
+        let mut not_unit = 0;
         let key = |(key, &time): (usize, &f64)| {
             let of_components = [0, 1, 2, 3].map(|component| self.at(key, component));
             let quaternion = |of: usize| DQuat::from_array(of_components.map(|it| it[of]));
             let given = quaternion(0);
+            not_unit += usize::from(!is_unit(given));
             // A slerp is one only between unit quaternions; a spline is made unit at its end.
             let value = match self.interpolation {
-                Interpolation::Linear if given.length() > 0.0 => given.normalize(),
+                _ if given.length() == 0.0 => DQuat::IDENTITY,
+                Interpolation::Linear => given.normalize(),
                 _ => given,
             };
             Key {
@@ -254,10 +311,8 @@ impl Sampled {
                 slope_out: quaternion(2),
             }
         };
-        held(
-            self.times.iter().enumerate().map(key).collect(),
-            self.interpolation,
-        )
+        let keys = self.times.iter().enumerate().map(key).collect();
+        (held(keys, self.interpolation), not_unit)
     }
 }
 

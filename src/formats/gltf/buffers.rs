@@ -3,11 +3,12 @@
 
 use super::container::Container;
 use super::fault::Faults;
-use crate::formats::error::{LoadError, quoted};
+use crate::formats::error::{FileFault, LoadError, quoted};
 use crate::formats::files::{Files, Gathered};
 use crate::formats::source::Denied;
+use crate::rig::Warnings;
 use gltf_json::validation::USize64;
-use gltf_json::{Index, Root, buffer};
+use gltf_json::{Buffer, Index, Root, buffer};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -30,45 +31,45 @@ impl std::ops::Deref for Bytes<'_> {
     }
 }
 
-/// Every buffer of a document, as long as it says at least.
+/// Every buffer of a document: as long as it says at least, or why it cannot be had. Only one that is read has to be there.
 #[derive(Debug)]
 pub(super) struct Buffers<'a> {
     faults: Faults<'a>,
-    buffers: Vec<Bytes<'a>>,
+    buffers: Vec<Result<Bytes<'a>, FileFault>>,
     size: u64,
 }
 
 impl<'a> Buffers<'a> {
     /// # Errors
-    /// Where one is not to be had, or is shorter than it says.
+    /// Where files are too large together, or one cannot be read.
     pub fn gather(
         faults: Faults<'a>,
         container: &Container<'a>,
         from: &Gathered,
         files: &mut Files<'_>,
+        warnings: &mut Warnings,
     ) -> Result<Self, LoadError> {
         let mut buffers = Vec::with_capacity(container.root.buffers.len());
         for (index, buffer) in container.root.buffers.iter().enumerate() {
             let path = format!("buffers[{index}]");
-            let bytes = match &buffer.uri {
-                Some(uri) => {
-                    Bytes::Decoded(open(faults, &format!("{path}.uri"), uri, from, files)?)
+            let binary = container.binary.filter(|_| index == 0);
+            let bytes = match bytes_of(faults, &path, buffer, binary, from, files, warnings) {
+                Ok(bytes) => Ok(bytes),
+                Err(LoadError::Invalid(fault)) => {
+                    let FileFault {
+                        expected, found, ..
+                    } = &fault;
+                    let sentence =
+                        format!("a buffer is left out: expected {expected}, but found {found}");
+                    warnings.push(|| faults.warning(&sentence));
+                    Err(fault)
                 }
-                None => {
-                    let binary = container.binary.filter(|_| index == 0);
-                    let missing = || faults.load(&path, "a `uri`, or a binary chunk", "neither");
-                    Bytes::Here(binary.ok_or_else(missing)?)
-                }
+                Err(other) => return Err(other),
             };
-            let USize64(length) = buffer.byte_length;
-            if length > bytes.len() as u64 {
-                let expected = format!("{length} bytes");
-                return Err(faults.load(&path, expected, bytes.len().to_string()));
-            }
             buffers.push(bytes);
         }
-        let places = buffers.iter().map(|bytes| (bytes.as_ptr(), bytes.len()));
-        let places: BTreeSet<_> = places.collect();
+        let places = buffers.iter().flatten();
+        let places: BTreeSet<_> = places.map(|bytes| (bytes.as_ptr(), bytes.len())).collect();
         let size = places.into_iter().map(|(_, length)| length as u64).sum();
         Ok(Self {
             faults,
@@ -98,13 +99,15 @@ impl<'a> Buffers<'a> {
             view.buffer,
             &format!("{path}.buffer"),
         )?;
+        let there = &self.buffers[view.buffer.value()];
+        let there = there.as_ref().map_err(FileFault::clone)?;
         let USize64(most) = buffer.byte_length;
         let (start, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
         let end = start.checked_add(length).filter(|&end| end <= most);
         // Not past what the buffer says it has, and that is there.
         let bytes = end.and_then(|end| {
             let range = usize::try_from(start).ok()?..usize::try_from(end).ok()?;
-            self.buffers[view.buffer.value()].get(range)
+            there.get(range)
         });
         let beyond = || {
             let expected = format!("a part of the {most} bytes of its buffer");
@@ -119,6 +122,63 @@ impl<'a> Buffers<'a> {
     }
 }
 
+/// As long as the buffer says at least.
+fn bytes_of<'a>(
+    faults: Faults<'_>,
+    path: &str,
+    buffer: &Buffer,
+    binary: Option<&'a [u8]>,
+    from: &Gathered,
+    files: &mut Files<'_>,
+    warnings: &mut Warnings,
+) -> Result<Bytes<'a>, LoadError> {
+    let bytes = match &buffer.uri {
+        Some(uri) => {
+            let path = format!("{path}.uri");
+            let media = media_type(uri).filter(|it| !BUFFER_MEDIA.contains(it));
+            if let Some(media) = media {
+                let wanted = BUFFER_MEDIA.join(" or ");
+                let sentence = format!(
+                    "{path} has the media type {} and not {wanted}",
+                    quoted(media)
+                );
+                warnings.push(|| faults.warning(&sentence));
+            }
+            Bytes::Decoded(open(faults, &path, uri, from, files)?)
+        }
+        None => {
+            let missing = || {
+                faults.load(
+                    path,
+                    "a `uri`, or a binary chunk",
+                    "neither, so there is nothing to draw from it",
+                )
+            };
+            Bytes::Here(binary.ok_or_else(missing)?)
+        }
+    };
+    let USize64(length) = buffer.byte_length;
+    if length > bytes.len() as u64 {
+        let expected = format!("{length} bytes");
+        return Err(faults.load(path, expected, bytes.len().to_string()));
+    }
+    Ok(bytes)
+}
+
+const BUFFER_MEDIA: &[&str] = &["application/octet-stream", "application/gltf-buffer"];
+
+/// What a data URI says it holds, where it says so.
+pub(super) fn media_type(uri: &str) -> Option<&str> {
+    let (media, _) = data_of(uri)?.split_once([';', ','])?;
+    Some(media).filter(|media| !media.is_empty())
+}
+
+/// What follows `data:`.
+fn data_of(uri: &str) -> Option<&str> {
+    let (scheme, data) = uri.split_at_checked(5)?;
+    scheme.eq_ignore_ascii_case("data:").then_some(data)
+}
+
 /// What a URI in a document leads to: a data URI, or a file beside the document. Never anything else.
 pub(super) fn open(
     faults: Faults<'_>,
@@ -127,18 +187,28 @@ pub(super) fn open(
     from: &Gathered,
     files: &mut Files<'_>,
 ) -> Result<Arc<[u8]>, LoadError> {
-    let scheme = uri.split_at_checked(5);
-    if let Some((_, data)) = scheme.filter(|(scheme, _)| scheme.eq_ignore_ascii_case("data:")) {
-        let found = |reason: &str| faults.load(path, "a data URI in base64", reason);
+    if let Some(data) = data_of(uri) {
+        let found = |reason: &str| faults.load(path, "a data URI", reason);
         let (head, text) = data
             .split_once(',')
             .ok_or_else(|| found("no comma in it"))?;
-        if !head.ends_with(";base64") {
-            return Err(found("another encoding"));
+        let bytes = percent_decoded(text).ok_or_else(|| found("a `%` without two digits"))?;
+        let is_base64 = head
+            .rsplit(';')
+            .next()
+            .is_some_and(|it| it.eq_ignore_ascii_case("base64"));
+        if !is_base64 {
+            return Ok(bytes.into_owned().into());
         }
-        let text = text.trim_end_matches('=').as_bytes();
-        let decoded = base64_simd::STANDARD_NO_PAD.decode_to_vec(text);
-        return Ok(decoded.map_err(|_| found("other text"))?.into());
+        // Some encoders leave out the padding or break lines.
+        let end = bytes
+            .iter()
+            .rposition(|byte| *byte != b'=' && !byte.is_ascii_whitespace());
+        let unpadded = &bytes[..end.map_or(0, |end| end + 1)];
+        let decoded = base64_simd::forgiving_decode_to_vec(unpadded);
+        return Ok(decoded
+            .map_err(|_| found("text that is not base64"))?
+            .into());
     }
     let refused = |reason: String| {
         let path = format!("{path}, {}", quoted(uri));
@@ -148,8 +218,8 @@ pub(super) fn open(
         // `C:`, `http:`, `file:`
         return Err(refused("a URI with a scheme".to_owned()));
     }
-    let name =
-        percent_decoded(uri).ok_or_else(|| refused("escapes that make no text".to_owned()))?;
+    let name = percent_decoded(uri).and_then(|bytes| String::from_utf8(bytes.into_owned()).ok());
+    let name = name.ok_or_else(|| refused("escapes that make no text".to_owned()))?;
     match files.look_up(from, &name) {
         Ok(file) => Ok(file.bytes.clone()),
         Err(Denied::Limit(exceeded)) => Err(exceeded.into()),
@@ -161,13 +231,13 @@ pub(super) fn open(
     }
 }
 
-/// `None` where what follows a `%` is no number, or the outcome is no UTF-8.
-fn percent_decoded(uri: &str) -> Option<Cow<'_, str>> {
-    if !uri.contains('%') {
-        return Some(Cow::Borrowed(uri));
+/// `None` where what follows a `%` is no number.
+fn percent_decoded(text: &str) -> Option<Cow<'_, [u8]>> {
+    if !text.contains('%') {
+        return Some(Cow::Borrowed(text.as_bytes()));
     }
-    let mut bytes = Vec::with_capacity(uri.len());
-    let mut rest = uri.bytes();
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.bytes();
     while let Some(byte) = rest.next() {
         if byte == b'%' {
             let digit = |byte: Option<u8>| char::from(byte?).to_digit(16);
@@ -177,5 +247,5 @@ fn percent_decoded(uri: &str) -> Option<Cow<'_, str>> {
             bytes.push(byte);
         }
     }
-    String::from_utf8(bytes).ok().map(Cow::Owned)
+    Some(Cow::Owned(bytes))
 }

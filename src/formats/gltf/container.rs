@@ -2,12 +2,13 @@
 
 use super::extensions;
 use super::fault::Faults;
+use super::rules;
 use crate::formats::error::{FileFault, LoadError, quoted};
-use crate::formats::text::without_bom;
+use crate::formats::text::{UTF8_BOM, without_bom};
 use crate::limits::Limits;
 use crate::rig::Warnings;
 use gltf_json::Root;
-use serde_json::Value;
+use serde_json::{Number, Value};
 
 /// A document as it stands in its file: any index in it may lead nowhere.
 #[derive(Debug)]
@@ -15,7 +16,7 @@ pub(super) struct Container<'a> {
     pub root: Root,
     /// The same, for telling what it says where it says something else than it should.
     pub json: Value,
-    /// The second chunk of a `.glb`.
+    /// The binary chunk of a `.glb`.
     pub binary: Option<&'a [u8]>,
 }
 
@@ -28,46 +29,85 @@ pub(super) fn read<'a>(
     warnings: &mut Warnings,
 ) -> Result<Container<'a>, LoadError> {
     let (json, binary) = if bytes.starts_with(b"glTF") {
-        chunks(faults, bytes)?
+        chunks(faults, bytes, warnings)?
     } else {
-        (without_bom(bytes), None)
+        (bytes, None)
     };
+    if json.starts_with(UTF8_BOM) {
+        warnings.push(|| faults.warning("the JSON opens with a byte order mark"));
+    }
+    let json = without_bom(json);
     limits.document_bytes(json.len())?;
-    let not_json = |error: serde_json::Error| {
-        let (line, column) = (error.line(), error.column());
-        let found = error.to_string();
-        // The place is told beside it.
-        let found = found.split(" at line ").next().unwrap_or_default();
-        FileFault {
-            line: line.max(1),
-            column: column.max(1),
-            ..faults.whole("glTF JSON", plain(found))
-        }
-    };
     let mut json: Value = match std::str::from_utf8(json) {
-        Ok(text) => serde_json::from_str(text).map_err(not_json)?,
+        Ok(text) => serde_json::from_str(text).map_err(|error| not_json(faults, text, &error))?,
         Err(error) => {
             let found = format!("other bytes at offset {}", error.valid_up_to());
             return Err(faults.whole("JSON in UTF-8", found).into());
         }
     };
-    check_version(faults, &json)?;
+    check_version(faults, &json, warnings)?;
     extensions::check(faults, &json, warnings)?;
     check_lists(faults, &json, limits)?;
+    settle_numbers(&mut json, "");
+    rules::warn_of_empty_lists(faults, &json, warnings);
     forgive(&mut json);
     let root: Root = serde_path_to_error::deserialize(&json).map_err(|error| {
         let path = error.path().to_string();
         let path = if path == "." { "it" } else { path.as_str() };
-        faults.at(
-            path,
-            "what glTF 2.0 has there",
-            plain(&error.inner().to_string()),
-        )
+        mistyped(faults, path, &plain(&error.inner().to_string()))
     })?;
     Ok(Container { root, json, binary })
 }
 
-/// A sentence of the parser's, on one line and not endless: it may quote the file.
+/// Where a text stops being JSON, and what stands there.
+fn not_json(faults: Faults<'_>, text: &str, error: &serde_json::Error) -> FileFault {
+    let line = text.split('\n').nth(error.line().saturating_sub(1));
+    let line = line.unwrap_or_default();
+    // The parser counts columns in bytes.
+    let before = error.column().saturating_sub(1);
+    let column = line.char_indices().take_while(|(at, _)| *at < before);
+    let column = column.count();
+    let there = line.chars().nth(column).map(|it| quoted(&it.to_string()));
+    let there = there.unwrap_or_else(|| "the end of the line".to_owned());
+    let message = error.to_string();
+    // The place is told beside it.
+    let message = message.split(" at line ").next().unwrap_or_default();
+    let (expected, found) = match message {
+        _ if error.is_eof() => ("more JSON".to_owned(), "the end of the file".to_owned()),
+        "expected value" | "expected ident" => ("a value of JSON".to_owned(), there),
+        "key must be a string" => ("a name in double quotes".to_owned(), there),
+        "trailing characters" => ("nothing after the JSON".to_owned(), there),
+        "recursion limit exceeded" => (
+            "JSON that is not nested deeper than 127 levels".to_owned(),
+            there,
+        ),
+        _ => match message.strip_prefix("expected ") {
+            Some(expected) => (format!("{expected} in the JSON"), there),
+            None => ("JSON".to_owned(), plain(message)),
+        },
+    };
+    FileFault {
+        line: error.line().max(1),
+        column: column + 1,
+        ..faults.whole(expected, found)
+    }
+}
+
+/// A fault from a sentence of the deserializer's: `invalid type: string "a", expected u32`, ``missing field `count` ``.
+fn mistyped(faults: Faults<'_>, path: &str, sentence: &str) -> FileFault {
+    if let Some(field) = sentence.strip_prefix("missing field ") {
+        return faults.at(path, format!("a member {field}"), "none");
+    }
+    match sentence.split_once(", expected ") {
+        Some((found, expected)) => {
+            let found = found.trim_start_matches("invalid type: ");
+            faults.at(path, expected, found.trim_start_matches("invalid value: "))
+        }
+        None => faults.at(path, "what glTF 2.0 has there", sentence),
+    }
+}
+
+/// A sentence of a parser's, on one line and not endless: it may quote the file.
 pub(super) fn plain(sentence: &str) -> String {
     const MOST: usize = 200;
     sentence
@@ -77,16 +117,13 @@ pub(super) fn plain(sentence: &str) -> String {
         .collect()
 }
 
-/// The JSON chunk and the binary one. What comes after is of extensions, and passed over.
+/// The JSON chunk, which comes first, and the binary one. Chunks of other types are of extensions, and passed over.
 fn chunks<'a>(
     faults: Faults<'_>,
     bytes: &'a [u8],
+    warnings: &mut Warnings,
 ) -> Result<(&'a [u8], Option<&'a [u8]>), FileFault> {
-    let word = |at: usize| {
-        let word = bytes.get(at..)?.first_chunk::<4>()?;
-        Some(u32::from_le_bytes(*word))
-    };
-    let [Some(version), Some(length)] = [word(4), word(8)] else {
+    let [Some(version), Some(length)] = [word(bytes, 4), word(bytes, 8)] else {
         let found = format!("{} bytes", bytes.len());
         return Err(faults.whole("a header of 12 bytes", found));
     };
@@ -98,52 +135,101 @@ fn chunks<'a>(
         let expected = format!("the {length} bytes that its header tells of");
         return Err(faults.whole(expected, bytes.len().to_string()));
     }
+    let mut warn = |sentence: String| warnings.push(|| faults.warning(&sentence));
+    if length < bytes.len() {
+        let more = bytes.len() - length;
+        warn(format!("{more} bytes after its end are passed over"));
+    }
     let mut rest = &bytes[12..length];
-    let mut chunk = |name: &str, kind: &[u8; 4]| -> Result<Option<&'a [u8]>, FileFault> {
+    let (mut json, mut binary) = (None, None);
+    for place in 0.. {
         if rest.is_empty() {
-            return Ok(None);
+            break;
         }
-        let header = rest.split_at_checked(8);
-        let (header, after) =
-            header.ok_or_else(|| faults.whole("a chunk's header", "the end of the file"))?;
-        let (size, found_kind) = header.split_at(4);
-        let size = size
-            .first_chunk::<4>()
-            .map_or(0, |it| u32::from_le_bytes(*it)) as usize;
-        let (content, after) = after.split_at_checked(size).ok_or_else(|| {
-            let expected = format!("a {name} chunk of {size} bytes");
-            faults.whole(expected, format!("{} more", after.len()))
-        })?;
-        if found_kind != kind {
-            let found = quoted(&String::from_utf8_lossy(found_kind));
-            return Err(faults.whole(format!("a {name} chunk"), format!("one of type {found}")));
+        let (kind, size, after) = match (word(rest, 4), word(rest, 0)) {
+            (Some(kind), Some(size)) => (kind.to_le_bytes(), size as usize, &rest[8..]),
+            _ if json.is_none() => {
+                return Err(faults.whole("a chunk's header", "the end of the file"));
+            }
+            _ => {
+                let more = rest.len();
+                warn(format!("{more} bytes after its last chunk are passed over"));
+                break;
+            }
+        };
+        let name = quoted(String::from_utf8_lossy(&kind).trim_end_matches('\0'));
+        if json.is_none() && kind != *b"JSON" {
+            let found = format!("one of type {name}");
+            return Err(faults.whole("a JSON chunk first", found));
+        }
+        let Some((content, after)) = after.split_at_checked(size) else {
+            let expected = format!("a chunk {name} of {size} bytes");
+            return Err(faults.whole(expected, format!("{} more", after.len())));
+        };
+        if size % 4 != 0 {
+            warn(format!(
+                "the chunk {name} of {size} bytes is not padded to a multiple of 4"
+            ));
         }
         rest = after;
-        Ok(Some(content))
-    };
-    let json = chunk("JSON", b"JSON")?;
+        let slot = match &kind {
+            b"JSON" => &mut json,
+            b"BIN\0" => &mut binary,
+            _ => {
+                warn(format!("a chunk of the unknown type {name} is passed over"));
+                continue;
+            }
+        };
+        if slot.is_some() {
+            warn(format!("a further chunk {name} is passed over"));
+            continue;
+        }
+        if kind == *b"BIN\0" && place != 1 {
+            warn(format!("the chunk {name} is not the second one"));
+        }
+        *slot = Some(content);
+    }
     let json = json.ok_or_else(|| faults.whole("a JSON chunk", "the end of the file"))?;
-    Ok((json, chunk("BIN", b"BIN\0")?))
+    Ok((json, binary))
 }
 
-fn check_version(faults: Faults<'_>, json: &Value) -> Result<(), FileFault> {
+/// Four bytes as a number.
+fn word(bytes: &[u8], at: usize) -> Option<u32> {
+    let word = bytes.get(at..)?.first_chunk::<4>()?;
+    Some(u32::from_le_bytes(*word))
+}
+
+fn check_version(
+    faults: Faults<'_>,
+    json: &Value,
+    warnings: &mut Warnings,
+) -> Result<(), FileFault> {
     let asset = &json["asset"];
     // `minVersion` is what a reader must know; without it the version is.
-    let version = match &asset["minVersion"] {
-        Value::Null => &asset["version"],
-        least => least,
+    let member = match &asset["minVersion"] {
+        Value::Null => "version",
+        _ => "minVersion",
     };
-    match version {
-        Value::String(version) if version.split('.').next() == Some("2") => Ok(()),
-        other => {
-            let found = match other {
-                Value::Null => "none".to_owned(),
-                other => quoted(&other.to_string()),
-            };
-            Err(faults.at("asset.version", "glTF version 2", found))
+    let path = format!("asset.{member}");
+    let found = match &asset[member] {
+        Value::String(version) if version.split('.').next() == Some("2") => {
+            if version != "2.0" {
+                let sentence = format!(
+                    "{path} is {}; what differs from 2.0 is not read",
+                    quoted(version)
+                );
+                warnings.push(|| faults.warning(&sentence));
+            }
+            return Ok(());
         }
-    }
+        Value::Null => "none".to_owned(),
+        other => quoted(&other.to_string()),
+    };
+    Err(faults.at(&path, "glTF version 2.0", found))
 }
+
+/// What a channel without a target moves. No index of the file comes to it, see [`settle_numbers`].
+pub(super) const NO_NODE: u32 = u32::MAX;
 
 /// What the specification allows and the library does not: scenes of nothing, and channels that move nothing.
 fn forgive(json: &mut Value) {
@@ -157,11 +243,37 @@ fn forgive(json: &mut Value) {
             members.entry("nodes").or_insert_with(nothing);
         }
     }
-    for animation in list(json, "animations") {
-        let channels = animation.get_mut("channels").and_then(Value::as_array_mut);
-        if let Some(channels) = channels {
-            channels.retain(|channel| !channel["target"]["node"].is_null());
+    let channels = list(json, "animations").flat_map(|animation| list(animation, "channels"));
+    for channel in channels {
+        let target = channel.get_mut("target").and_then(Value::as_object_mut);
+        if let Some(target) = target.filter(|target| target.get("node").is_none_or(Value::is_null))
+        {
+            target.insert("node".to_owned(), Value::from(NO_NODE));
         }
+    }
+}
+
+/// Numbers as the library takes them. For JSON `3.0` and `3e0` are integers, for the library they are not; and of an index it cuts off
+/// what does not fit 32 bits, so that one becomes a float, which is refused.
+fn settle_numbers(value: &mut Value, member: &str) {
+    /// Beyond, not every integer is one of f64.
+    const MOST_EXACT: f64 = (1_u64 << 53) as f64;
+    match value {
+        Value::Array(items) => items.iter_mut().for_each(|it| settle_numbers(it, member)),
+        Value::Object(members) => members
+            .iter_mut()
+            .for_each(|(name, it)| settle_numbers(it, name)),
+        Value::Number(number) => {
+            let as_float = number.as_f64().unwrap_or_default();
+            if number.is_f64() && as_float.fract() == 0.0 && as_float.abs() <= MOST_EXACT {
+                *number = Number::from(as_float as i64);
+            }
+            let is_wide = matches!(member, "byteLength" | "byteOffset" | "byteStride" | "count");
+            if number.as_u64().is_some_and(|it| it >= u64::from(NO_NODE)) && !is_wide {
+                *number = Number::from_f64(as_float).unwrap_or(Number::from(0));
+            }
+        }
+        Value::Null | Value::Bool(_) | Value::String(_) => {}
     }
 }
 

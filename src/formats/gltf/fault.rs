@@ -50,7 +50,11 @@ impl Faults<'_> {
         path: &str,
     ) -> Result<&'r T, FileFault> {
         list.get(index.value()).ok_or_else(|| {
-            let expected = format!("one of the {} {name}", list.len());
+            let expected = match list.len() {
+                0 => format!("no index, for the file has no {name}"),
+                1 => format!("0, the only one of the {name}"),
+                count => format!("one of the {count} {name}"),
+            };
             self.at(path, expected, index.value().to_string())
         })
     }

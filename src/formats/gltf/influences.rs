@@ -4,7 +4,7 @@ use super::accessors::Wanted;
 use super::attributes::VertexReader;
 use super::fault::Faults;
 use crate::formats::error::LoadError;
-use crate::rig::MeshDraft;
+use crate::rig::{MeshDraft, Warnings};
 use gltf_json::Index;
 use gltf_json::accessor::ComponentType::{F32, U8, U16};
 use gltf_json::accessor::{Accessor, Type};
@@ -26,11 +26,21 @@ const WEIGHTS: Wanted = Wanted {
 };
 
 /// What a mesh is bound to.
-pub(super) enum Bound {
-    /// Wholly to one binding.
-    Rigid(u32),
-    /// By influences that name bindings of a skin.
-    Skin(Vec<u32>),
+pub(super) struct Bound {
+    /// Of the mesh's node. What has no weights follows it.
+    pub joint: usize,
+    /// The bindings of the node's skin, by joint of the skin.
+    pub skin: Option<Vec<u32>>,
+}
+
+/// How many vertices of a primitive have influences that the specification does not allow.
+#[derive(Debug, Default)]
+pub(super) struct Breaches {
+    without_skin: usize,
+    without: usize,
+    negative: usize,
+    repeated: usize,
+    beyond: usize,
 }
 
 /// `JOINTS_n` and `WEIGHTS_n` of one n.
@@ -40,26 +50,34 @@ struct Set {
     weights: Index<Accessor>,
 }
 
-/// Adds those of all vertices of a primitive to its mesh. `hold` holds how many there will be against their ceiling.
+/// Adds those of all vertices of a primitive to its mesh. A vertex without weights follows the mesh's node, whose binding `of_node` gives.
+/// `hold` holds how many influences there will be against their ceiling.
 pub(super) fn add(
     mesh: &mut MeshDraft,
     primitive: &Primitive,
     read: &VertexReader<'_>,
     bound: &Bound,
+    mut of_node: impl FnMut() -> u32,
     hold: impl FnOnce(usize) -> Result<(), LoadError>,
-) -> Result<(), LoadError> {
+) -> Result<Breaches, LoadError> {
     let faults = read.accessors.faults;
-    let bindings = match bound {
-        Bound::Rigid(binding) => {
+    let mut breaches = Breaches::default();
+    let sets = sets(faults, primitive, read.path)?;
+    let bindings = match &bound.skin {
+        Some(bindings) if !sets.is_empty() => bindings,
+        skin => {
             hold(read.count)?;
             mesh.influence_counts.extend(repeat_n(1, read.count));
-            mesh.influences
-                .extend(repeat_n((*binding, 1.0), read.count));
-            return Ok(());
+            let whole = (of_node(), 1.0);
+            mesh.influences.extend(repeat_n(whole, read.count));
+            match skin {
+                Some(_) => breaches.without = read.count,
+                None if sets.is_empty() => {}
+                None => breaches.without_skin = read.count,
+            }
+            return Ok(breaches);
         }
-        Bound::Skin(bindings) => bindings,
     };
-    let sets = sets(faults, primitive, read.path)?;
     hold(4 * sets.len() * read.count)?;
     let mut of_sets = Vec::with_capacity(sets.len());
     for set in sets {
@@ -68,26 +86,69 @@ pub(super) fn add(
         let weights = read.vectors::<4>(set.weights, &format!("WEIGHTS_{number}"), WEIGHTS)?;
         of_sets.push((number, joints, weights));
     }
+    // By joint of the skin, the last vertex that named it.
+    let mut named_by = vec![usize::MAX; bindings.len()];
     for vertex in 0..read.count {
         let before = mesh.influences.len();
+        let mut sum = 0.0;
+        let (mut is_negative, mut is_repeated, mut is_beyond) = (false, false, false);
         for (number, joints, weights) in &of_sets {
             for (&joint, &weight) in joints[4 * vertex..][..4].iter().zip(&weights[vertex]) {
+                let joint = joint as usize;
                 // A joint that nothing follows may be any.
                 if weight == 0.0 {
+                    is_beyond |= joint >= bindings.len();
                     continue;
                 }
-                let Some(&binding) = bindings.get(joint as usize) else {
+                let Some(&binding) = bindings.get(joint) else {
                     let path = format!("{}.attributes.JOINTS_{number}, vertex {vertex}", read.path);
                     let expected = format!("one of the {} joints of the skin", bindings.len());
                     return Err(faults.load(&path, expected, joint.to_string()));
                 };
+                is_negative |= weight < 0.0;
+                is_repeated |= std::mem::replace(&mut named_by[joint], vertex) == vertex;
+                sum += f64::from(weight);
                 mesh.influences.push((binding, f64::from(weight)));
             }
         }
+        if sum <= 0.0 {
+            mesh.influences.truncate(before);
+            mesh.influences.push((of_node(), 1.0));
+        }
+        breaches.without += usize::from(sum <= 0.0);
+        breaches.negative += usize::from(is_negative);
+        breaches.repeated += usize::from(is_repeated);
+        breaches.beyond += usize::from(is_beyond);
         mesh.influence_counts
             .push((mesh.influences.len() - before) as u32);
     }
-    Ok(())
+    Ok(breaches)
+}
+
+impl Breaches {
+    /// A warning each, of the primitive at `path`.
+    pub fn warn(self, faults: Faults<'_>, path: &str, warnings: &mut Warnings) {
+        for (count, what) in [
+            (
+                self.without_skin,
+                "have joints and weights, but no skin, and follow the mesh's node",
+            ),
+            (
+                self.without,
+                "have no weights with a positive sum and follow the mesh's node",
+            ),
+            (self.negative, "have a negative weight"),
+            (self.repeated, "name a joint twice"),
+            (
+                self.beyond,
+                "name a joint that the skin does not have, with a weight of 0",
+            ),
+        ] {
+            if count > 0 {
+                warnings.push(|| faults.warning(&format!("{path}: {count} vertices {what}")));
+            }
+        }
+    }
 }
 
 /// `JOINTS_n` and `WEIGHTS_n` of each n that there is.

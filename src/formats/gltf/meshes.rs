@@ -34,6 +34,9 @@ pub(super) struct MeshReader<'a, 'm> {
     pub morphs_of: Vec<Option<(usize, usize)>>,
 }
 
+/// How far from 1 the length of a normal of bytes can be, which the Khronos validator allows all.
+const NORMAL_TOLERANCE: f32 = 0.00674;
+
 /// How much there is of what has a ceiling.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Totals {
@@ -56,9 +59,11 @@ impl MeshReader<'_, '_> {
             let faults = self.accessors.faults;
             let of_node = faults.get(&root.meshes, "meshes", mesh, &path)?;
             let path = format!("meshes[{}]", mesh.value());
-            let bound = match node.skin {
-                Some(skin) => Bound::Skin(self.skins.bindings(skin, self.nodes, self.draft)?),
-                None => Bound::Rigid(self.skins.rigid(joint, self.draft)),
+            let skin = node.skin;
+            let skin = skin.map(|skin| self.skins.bindings(skin, self.nodes, self.draft));
+            let bound = Bound {
+                joint,
+                skin: skin.transpose()?,
             };
             let name = node.name.as_ref().or(of_node.name.as_ref());
             let name = name.map(String::as_str);
@@ -100,7 +105,10 @@ impl MeshReader<'_, '_> {
         }
         let weights = of_node.or(mesh.weights.as_deref()).unwrap_or_default();
         if !weights.is_empty() && weights.len() != targets {
-            let expected = format!("{targets} weights, one for each morph target");
+            let expected = match targets {
+                0 => "no weights, for it has no morph targets".to_owned(),
+                _ => format!("{targets} weights, one for each morph target"),
+            };
             return Err(faults.load(path, expected, weights.len().to_string()));
         }
         self.limits
@@ -170,7 +178,9 @@ impl MeshReader<'_, '_> {
         let before = self.totals.influences;
         let hold = |more: usize| Ok(self.limits.influences(before.saturating_add(more))?);
         let held = mesh.influences.len();
-        influences::add(mesh, primitive, &read, bound, hold)?;
+        let of_node = || self.skins.rigid(bound.joint, self.draft);
+        let breaches = influences::add(mesh, primitive, &read, bound, of_node, hold)?;
+        breaches.warn(faults, path, &mut self.draft.warnings);
         self.totals.influences += mesh.influences.len() - held;
         self.add_displacements(primitive, &read, first as u32, first_morph)?;
         let triangle_count = self.add_triangles(mesh, primitive, mode, &read, first as u32)?;
@@ -229,6 +239,10 @@ impl MeshReader<'_, '_> {
         let first = count - read.count;
         if let Some(normals) = attribute(primitive, Semantic::Normals) {
             let given = read.vectors::<3>(normals, "NORMAL", VECTORS)?;
+            let is_unit =
+                |it: &&[f32; 3]| (Vec3::from_array(**it).length() - 1.0).abs() <= NORMAL_TOLERANCE;
+            let others = given.len() - given.iter().filter(is_unit).count();
+            self.warn_of(read, "NORMAL", others, "of another length than 1");
             let all = mesh.normals.get_or_insert_default();
             // Of primitives without, they are worked out.
             all.resize(first, Vec3::ZERO);
@@ -260,6 +274,9 @@ impl MeshReader<'_, '_> {
         }
         if let Some(colors) = attribute(primitive, Semantic::Colors(0)) {
             let (floats, width) = read.floats(colors, "COLOR_0", COLORS)?;
+            let is_light = |number: &&f32| (0.0..=1.0).contains(*number);
+            let others = floats.len() - floats.iter().filter(is_light).count();
+            self.warn_of(read, "COLOR_0", others, "below 0 or above 1");
             let all = mesh.colors.get_or_insert_default();
             all.resize(first, Vec4::ONE);
             let color = |color: &[f32]| {
@@ -271,6 +288,15 @@ impl MeshReader<'_, '_> {
             colors.resize(count, Vec4::ONE);
         }
         Ok(())
+    }
+
+    /// Where there are numbers of an attribute that the specification does not allow.
+    fn warn_of(&mut self, read: &VertexReader<'_>, attribute: &str, count: usize, which: &str) {
+        if count > 0 {
+            let (faults, path) = (read.accessors.faults, read.path);
+            let warning = || faults.warning(&format!("{path}.{attribute} has {count} {which}"));
+            self.draft.warnings.push(warning);
+        }
     }
 
     /// Those of a primitive whose vertices start at `first_vertex` of its mesh, and how many they are.
@@ -300,6 +326,25 @@ impl MeshReader<'_, '_> {
             let expected = format!("one of the {vertices} vertices");
             let found = indices[place].to_string();
             return Err(accessors.faults.load(&path, expected, found));
+        }
+        if let Some(restart) = primitive.indices.and_then(|it| accessors.largest_index(it)) {
+            let restarts = indices.iter().filter(|&&index| index == restart).count();
+            self.warn_of(
+                read,
+                "indices",
+                restarts,
+                "that stand for a restart, not for a vertex",
+            );
+        }
+        if indices.len() < 3 || (mode == Mode::Triangles && indices.len() % 3 != 0) {
+            let sentence = format!(
+                "{} has {} corners, which make no whole triangles",
+                read.path,
+                indices.len()
+            );
+            self.draft
+                .warnings
+                .push(|| accessors.faults.warning(&sentence));
         }
         let triangles = triangles(mode, &indices);
         let count = triangles.len();

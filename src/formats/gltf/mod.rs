@@ -14,6 +14,7 @@ mod lights;
 mod materials;
 mod meshes;
 mod nodes;
+mod rules;
 mod skins;
 mod textures;
 mod variants;
@@ -52,7 +53,7 @@ pub(super) fn read(
         json: Some(&container.json),
         ..faults
     };
-    let buffers = Buffers::gather(faults, &container, file, files)?;
+    let buffers = Buffers::gather(faults, &container, file, files, &mut warnings)?;
     let left = Cell::new(MOST_NUMBERS);
     let accessors = Accessors {
         faults,
@@ -81,7 +82,9 @@ pub(super) fn read(
         morphs_of: vec![None; root.nodes.len()],
     };
     meshes.read()?;
-    let morphs_of = meshes.morphs_of;
+    let MeshReader {
+        morphs_of, skins, ..
+    } = meshes;
     limits.clips(root.animations.len())?;
     let mut reader = AnimationReader {
         accessors,
@@ -94,6 +97,12 @@ pub(super) fn read(
         let clip = reader.read(index, animation, &mut draft.warnings)?;
         draft.clips.push(clip);
     }
+    skins.check_unused(&mut draft.warnings)?;
+    rules::warn(faults, root, &nodes, &mut draft.warnings);
     draft.joints = nodes.joints;
+    if draft.joints.is_empty() && draft.meshes.is_empty() {
+        let expected = "a scene with a node that is neither a camera nor a light";
+        return Err(faults.whole(expected, "nothing to draw").into());
+    }
     Ok(draft)
 }

@@ -23,6 +23,7 @@ pub(super) struct Nodes {
     pub is_in_scene: Vec<bool>,
     /// Of nodes that are no joints but carry a light, or have one below them.
     places: BTreeMap<usize, Place>,
+    pub forest: Forest,
 }
 
 /// Where a node stands.
@@ -32,6 +33,53 @@ pub(super) struct Place {
     pub joint: Option<usize>,
     /// Without a joint it leads to the world.
     pub joint_from_node: DAffine3,
+}
+
+/// How the nodes of a document stand below each other, joints or not.
+#[derive(Debug)]
+pub(super) struct Forest {
+    parents: Vec<Option<usize>>,
+    /// By node: its place in depth-first order, and where those below it end.
+    spans: Vec<[usize; 2]>,
+    /// By node, the last one up from it.
+    tops: Vec<usize>,
+}
+
+impl Forest {
+    fn new(parents: Vec<Option<usize>>, order: &[usize]) -> Self {
+        let mut spans = vec![[0; 2]; parents.len()];
+        let mut tops: Vec<usize> = (0..parents.len()).collect();
+        for (place, &node) in order.iter().enumerate() {
+            spans[node] = [place, place + 1];
+            if let Some(parent) = parents[node] {
+                tops[node] = tops[parent];
+            }
+        }
+        for &node in order.iter().rev() {
+            if let Some(parent) = parents[node] {
+                spans[parent][1] = spans[parent][1].max(spans[node][1]);
+            }
+        }
+        Self {
+            parents,
+            spans,
+            tops,
+        }
+    }
+
+    pub fn has_parent(&self, node: usize) -> bool {
+        self.parents.get(node).is_some_and(Option::is_some)
+    }
+
+    /// Whether it is this node or below it.
+    pub fn is_below(&self, node: usize, top: usize) -> bool {
+        let [start, end] = self.spans[top];
+        (start..end).contains(&self.spans[node][0])
+    }
+
+    pub fn top(&self, node: usize) -> usize {
+        self.tops[node]
+    }
 }
 
 impl Nodes {
@@ -58,15 +106,17 @@ impl Nodes {
             joint_of: vec![None; root.nodes.len()],
             is_in_scene,
             places: BTreeMap::new(),
+            forest: Forest::new(parents, &order),
         };
         for node in order {
+            let parent = nodes.forest.parents[node];
             if !matters[node] {
                 if is_lit[node] {
-                    nodes.place_light(faults, root, node, parents[node], warnings);
+                    nodes.place_light(faults, root, node, parent, warnings);
                 }
                 continue;
             }
-            let parent = parents[node].and_then(|parent| nodes.joint_of[parent]);
+            let parent = parent.and_then(|parent| nodes.joint_of[parent]);
             let joint = joint(faults, node, &root.nodes[node], parent, warnings)?;
             nodes.joint_of[node] = Some(nodes.joints.len());
             nodes.joints.push(joint);
@@ -283,6 +333,13 @@ fn only_looks_or_lights(node: &Node) -> bool {
     (node.camera.is_some() || lights::is_carried_by(node)) && node.mesh.is_none()
 }
 
+/// Whether it is of length 1 as far as quaternions of bytes can be, which the Khronos validator allows too.
+pub(super) fn is_unit(quaternion: DQuat) -> bool {
+    /// Four times half a step of 1/127, and a little.
+    const TOLERANCE: f64 = 0.00769;
+    (quaternion.length() - 1.0).abs() <= TOLERANCE
+}
+
 fn joint(
     faults: Faults<'_>,
     index: usize,
@@ -294,6 +351,12 @@ fn joint(
     let vector = |vector: [f32; 3]| DVec3::from_array(vector.map(f64::from));
     let (scale, rotation, translation) = match node.matrix {
         Some(matrix) => {
+            if node.translation.is_some() || node.rotation.is_some() || node.scale.is_some() {
+                let sentence = format!(
+                    "{path} has a matrix, beside which its translation, rotation and scale are left out"
+                );
+                warnings.push(|| faults.warning(&sentence));
+            }
             let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
             if !matrix.is_finite() {
                 let path = format!("{path}.matrix");
@@ -313,6 +376,10 @@ fn joint(
                 warnings.push(|| {
                     faults.warning(&format!("{path}.rotation is no rotation and left out"))
                 });
+            }
+            if is_rotation && !is_unit(DQuat::from_array(given)) {
+                let sentence = format!("{path}.rotation is no unit quaternion and is made one");
+                warnings.push(|| faults.warning(&sentence));
             }
             let rotation = if is_rotation {
                 quaternion.normalize()

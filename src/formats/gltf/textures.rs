@@ -101,7 +101,10 @@ impl<'a> Textures<'a> {
             return Ok(texture.clone());
         }
         let texture = match self.encoded(index, path, files)? {
-            Ok((bytes, name)) => self.decoded(bytes, name, decoding),
+            Ok((bytes, name)) => {
+                self.check_media(index, &bytes, warnings);
+                self.decoded(bytes, name, decoding)
+            }
             Err(reason) => Err(reason),
         };
         if let Err(reason) = &texture {
@@ -116,6 +119,26 @@ impl<'a> Textures<'a> {
         let texture = texture.ok();
         self.of_images.insert((index, decoding), texture.clone());
         Ok(texture)
+    }
+
+    /// A picture is what its bytes say, whatever the document calls it.
+    fn check_media(&self, index: usize, bytes: &[u8], warnings: &mut Warnings) {
+        let Accessors { faults, root, .. } = self.accessors;
+        let Some(of_file) = root.images.get(index) else {
+            return;
+        };
+        let told = of_file.mime_type.as_ref().map(|it| it.0.as_str());
+        let told = told.or(of_file.uri.as_deref().and_then(buffers::media_type));
+        let found = image::guess_format(bytes).ok();
+        let found = found.map(|format| format.to_mime_type());
+        if let (Some(told), Some(found)) = (told, found.filter(|it| told != Some(*it))) {
+            let told = quoted(told);
+            warnings.push(|| {
+                faults.warning(&format!(
+                    "images[{index}] is called {told}, but is `{found}`"
+                ))
+            });
+        }
     }
 
     /// The file of an image and what it is called, or why it cannot be had.
