@@ -301,7 +301,7 @@ impl Client {
 mod tests {
     use super::*;
     use crate::protocol::blob::{ArrayTransport, Blob, Numbers};
-    use crate::protocol::{Attachments, Fault, Request, error_line, result_line};
+    use crate::protocol::{Attachments, Fault, MissingRig, Request, error_line, result_line};
     use serde_json::json;
     use std::net::TcpListener;
     use std::thread::{self, JoinHandle};
