@@ -207,6 +207,13 @@ fn a_skin_hides_the_bones_in_it_as_far_as_it_is_opaque() {
         );
         let shining = differing(&both(0.4));
         assert!(shining > 500, "{view}: {shining}");
+        // Framed as with the skin, which fades out without moving the camera.
+        let camera = json!({"kind": "orbit", "target": [0, 0.9, 0], "distance": 4});
+        let figure = |show: Value| {
+            let request = json!({"rig": "figure", "size": [128, 128], "background": [0, 0, 0, 0], "show": show});
+            draw(&SERVICE, &over(request, json!({ "camera": camera }))).image
+        };
+        let both = |opacity: f64| figure(json!({"skeleton": view, "skin_opacity": opacity}));
         let alone = figure(json!({"skin": "none", "skeleton": view}));
         assert_eq!(
             both(0.0),

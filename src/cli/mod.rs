@@ -97,7 +97,7 @@ fn mistyped(first: &str) -> Option<String> {
 
 impl Command {
     fn run(self) -> anyhow::Result<Outcome> {
-        if self.renderer().is_some_and(RendererArgs::may_ask_for_gpus) {
+        if self.may_ask_for_gpus() {
             environment::set_for_graphics();
         }
         match self {
@@ -111,13 +111,14 @@ impl Command {
         Ok(Outcome::Done)
     }
 
-    /// Of those that draw.
-    fn renderer(&self) -> Option<&RendererArgs> {
+    /// Whether the machine's graphics libraries may be asked what there is.
+    fn may_ask_for_gpus(&self) -> bool {
         match self {
-            Self::Serve(args) => Some(&args.renderer),
-            Self::Render(args) => Some(&args.renderer),
-            Self::Doctor(args) => Some(args),
-            Self::Inspect(_) | Self::Call(_) | Self::Openrpc => None,
+            Self::Serve(args) => args.renderer.may_ask_for_gpus(),
+            Self::Render(args) => args.renderer.may_ask_for_gpus(),
+            // It lists all there are, whichever is chosen.
+            Self::Doctor(_) => true,
+            Self::Inspect(_) | Self::Call(_) | Self::Openrpc => false,
         }
     }
 }

@@ -218,7 +218,7 @@ fn a_fault_in_a_frame_request_has_its_path_and_says_what_was_expected() {
         (
             r#"{"rig":"a","material":{"wetness":1}}"#,
             "material.wetness",
-            "unknown field `wetness`; expected one of `diffuse`, `specular`, `shininess`",
+            "unknown field `wetness`; expected one of `diffuse`, `specular`, `shininess`, `variant`",
         ),
         (r#"{"rig":"\ud800"}"#, "rig", "unexpected end of hex escape"),
     ]);
