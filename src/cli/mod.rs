@@ -1,5 +1,6 @@
 //! The command line: one file for each subcommand. Never lives here: anything that a client of the daemon could not ask for.
 
+mod angle;
 mod builtin;
 mod call;
 mod doctor;

@@ -1,105 +1,10 @@
-//! What users type for numbers: angles with their unit, sizes, colors, lights, assignments. Never lives here: whether a rig can take them.
+//! What users type for numbers: sizes, colors, lights, assignments. Never lives here: angles, which have a file of their own, and whether a rig
+//! can take them.
 
+use super::angle::Angle;
 use crate::encode::FrameRate;
 use crate::protocol::camera::{DirectionalLight, Falloff, Light, PointLight};
-use crate::scene::FOV_Y_RADIANS;
 use std::str::FromStr;
-
-/// An angle as it was typed: `0.5`, `0.5rad`, `30deg` or `30°`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Angle {
-    pub radians: f64,
-    pub unit: Unit,
-}
-
-/// What was typed behind an angle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Unit {
-    /// Nothing, which stands for radians.
-    None,
-    Radians,
-    Degrees,
-}
-
-impl Unit {
-    /// An angle in this unit, as it can be typed.
-    pub fn show(self, radians: f64) -> String {
-        match self {
-            Self::None | Self::Radians => format!("{}rad", rounded(radians, 4)),
-            // Files give radians with few decimals; more than two of a degree would show that.
-            Self::Degrees => format!("{}deg", rounded(radians.to_degrees(), 2)),
-        }
-    }
-}
-
-/// A length or a weight with as many decimals as are of use to a reader.
-pub(super) fn decimal(number: f64) -> String {
-    rounded(number, 4)
-}
-
-fn rounded(number: f64, decimals: usize) -> String {
-    let text = format!("{number:.decimals$}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0" } else { text }.to_owned()
-}
-
-impl Angle {
-    /// What is odd about a number without a unit that would be a common one in degrees.
-    pub fn doubt(self) -> Option<String> {
-        let Self { radians, unit } = self;
-        let is_odd = unit == Unit::None && radians.abs() > std::f64::consts::TAU;
-        is_odd.then(|| {
-            format!("{radians} is taken for radians, more than a full turn; for degrees type {radians}deg")
-        })
-    }
-}
-
-impl FromStr for Angle {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let units = [
-            ("deg", Unit::Degrees),
-            ("°", Unit::Degrees),
-            ("rad", Unit::Radians),
-            ("", Unit::None),
-        ];
-        let typed = units
-            .into_iter()
-            .find_map(|(ending, unit)| Some((text.strip_suffix(ending)?, unit)));
-        let (number, unit) = typed.unwrap_or((text, Unit::None));
-        let number = finite(number, "an angle such as 0.5, 0.5rad or 30deg", text)?;
-        let radians = match unit {
-            Unit::Degrees => number * (std::f64::consts::PI / 180.0),
-            Unit::None | Unit::Radians => number,
-        };
-        Ok(Self { radians, unit })
-    }
-}
-
-/// The angle that a picture is high.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct FieldOfView(pub f64);
-
-impl FromStr for FieldOfView {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let angle: Angle = text.parse()?;
-        if FOV_Y_RADIANS.contains(&angle.radians) {
-            return Ok(Self(angle.radians));
-        }
-        let [least, most] =
-            [FOV_Y_RADIANS.start(), FOV_Y_RADIANS.end()].map(|end| angle.unit.show(*end));
-        let hint = match angle.unit {
-            Unit::None => format!(", which stands for radians; for degrees type {text}deg"),
-            Unit::Radians | Unit::Degrees => String::new(),
-        };
-        Err(format!(
-            "expected an angle from {least} to {most}, but found `{text}`{hint}"
-        ))
-    }
-}
 
 /// `elbow.rx=30deg`: the name of a DOF and its value.
 #[derive(Debug, Clone, PartialEq)]
@@ -372,7 +277,7 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
         .ok_or_else(expected)
 }
 
-fn finite(number: &str, expected: &str, text: &str) -> Result<f64, String> {
+pub(super) fn finite(number: &str, expected: &str, text: &str) -> Result<f64, String> {
     let parsed = number
         .trim()
         .parse::<f64>()
@@ -384,57 +289,10 @@ fn finite(number: &str, expected: &str, text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::angle::Unit;
 
     fn angle(radians: f64, unit: Unit) -> Angle {
         Angle { radians, unit }
-    }
-
-    #[test]
-    fn angles_have_a_unit_or_are_radians() {
-        for (text, radians, unit, shown) in [
-            ("0.5", 0.5, Unit::None, "0.5rad"),
-            ("-2rad", -2.0, Unit::Radians, "-2rad"),
-            ("180deg", std::f64::consts::PI, Unit::Degrees, "180deg"),
-            ("180°", std::f64::consts::PI, Unit::Degrees, "180deg"),
-            ("1e-1", 0.1, Unit::None, "0.1rad"),
-            ("-1e-9deg", -1.0e-9_f64.to_radians(), Unit::Degrees, "0deg"),
-        ] {
-            assert_eq!(text.parse(), Ok(angle(radians, unit)), "{text}");
-            assert_eq!(unit.show(radians), shown);
-        }
-        for text in ["", "deg", "30 grad", "nan", "inf", "1e999"] {
-            assert!(text.parse::<Angle>().is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn more_than_a_turn_without_a_unit_is_doubted() {
-        for (text, is_odd) in [
-            ("30", true),
-            ("-7", true),
-            ("6.2", false),
-            ("400deg", false),
-            ("30rad", false),
-        ] {
-            let angle: Angle = text.parse().unwrap();
-            assert_eq!(angle.doubt().is_some(), is_odd, "{text}");
-        }
-    }
-
-    #[test]
-    fn a_field_of_view_is_refused_in_the_unit_it_was_typed_in() {
-        assert_eq!("1".parse(), Ok(FieldOfView(1.0)));
-        for (text, wanted) in [
-            ("200deg", "from 0.01deg to 179.99deg, but found `200deg`"),
-            ("4rad", "from 0.0001rad to 3.1415rad, but found `4rad`"),
-            (
-                "45",
-                "but found `45`, which stands for radians; for degrees type 45deg",
-            ),
-        ] {
-            let error = text.parse::<FieldOfView>().unwrap_err();
-            assert!(error.ends_with(wanted), "{error}");
-        }
     }
 
     #[test]

@@ -2,10 +2,10 @@
 
 mod tree;
 
+use super::angle::{Unit, decimal};
 use super::builtin;
 use super::exit::{self, Outcome};
 use super::terminal::{Warnings, print, printable};
-use super::values::{Unit, decimal};
 use crate::formats::Source;
 use crate::limits::Limits;
 use crate::protocol::rig::{

@@ -1,10 +1,11 @@
 //! What can be typed after `rigd render`. Never lives here: what it comes to.
 
 use crate::cli::RendererArgs;
+use crate::cli::angle::FieldOfView;
 use crate::cli::exit;
 use crate::cli::values::{
-    Assignment, FieldOfView, Fps, LightArg, OrbitView, Pixels, Rgba, Rotation, Seconds, Vector,
-    Weight, number, positive,
+    Assignment, Fps, LightArg, OrbitView, Pixels, Rgba, Rotation, Seconds, Vector, Weight, number,
+    positive,
 };
 use crate::protocol::{frame as wire, pose as wire_pose};
 use clap::{Args, ValueEnum};
@@ -38,11 +39,11 @@ const SEQUENCES: &str = "\
 The ending of --output says what is written: .png a picture, .gif or .apng an animation. A sequence into .png writes numbered files, \
 e.g. walk_0000.png for walk.png.
 
-  rigd render wasp.skel wasp.skin -o wasp.png                      one picture
-  rigd render wasp.skel wasp.skin -o wasp.gif --turntable 48       once around
-  rigd render wasp.rig walk.anim -o walk.gif --clip walk           the clip from its start to its end
-  rigd render wasp.rig walk.anim -o walk.png --clip walk           the clip's first moment, one picture
-  rigd render wasp.rig walk.anim -o walk.png --clip walk --fps 30  the clip as numbered pictures";
+  rigd render drake.skel drake.skin -o drake.png                    one picture
+  rigd render drake.skel drake.skin -o drake.gif --turntable 48     once around
+  rigd render drake.rig walk.anim -o walk.gif --clip walk           the clip from its start to its end
+  rigd render drake.rig walk.anim -o walk.png --clip walk           the clip's first moment, one picture
+  rigd render drake.rig walk.anim -o walk.png --clip walk --fps 30  the clip as numbered pictures";
 
 #[derive(Args)]
 #[command(next_help_heading = "Output")]

@@ -2,8 +2,9 @@
 //! Never lives here: what the protocol can tell by itself.
 
 use super::args::RenderArgs;
+use crate::cli::angle::{Unit, decimal};
 use crate::cli::terminal::Warnings;
-use crate::cli::values::{Assignment, Unit, Weight, decimal};
+use crate::cli::values::{Assignment, Weight};
 use crate::protocol::pose::Clamped;
 use crate::protocol::rig::{DofDescription, DofKind, RigDescription};
 use anyhow::bail;

@@ -16,6 +16,7 @@
 //! ```
 //! Statements end with their line, and so do names. A corner names what stands above it.
 
+mod odd;
 #[cfg(test)]
 mod tests;
 
@@ -24,10 +25,11 @@ use super::mention::{Mention, Mentions};
 use super::polygon::{self, Cutter, Misfit};
 use super::statements::{Statements, is_not_a_number};
 use crate::formats::error::{FileFault, LoadError, quoted};
-use crate::formats::lexer::{Lexer, Token};
+use crate::formats::lexer::Token;
 use crate::limits::Limits;
 use crate::rig::{MeshDraft, PartDraft, Warnings, linear_from_srgb};
 use glam::{Vec2, Vec3, Vec4};
+use odd::Odd;
 
 /// An OBJ as its file has it.
 #[derive(Debug)]
@@ -115,75 +117,6 @@ struct Corner {
     vertex: u32,
     texcoord: Option<usize>,
     normal: Option<usize>,
-}
-
-/// Where something is for the first time that could be worked with, but should not be there.
-#[derive(Debug, Default)]
-struct Odd<'a> {
-    /// A statement that is not read and not to be expected either.
-    unknown: Option<Token<'a>>,
-    not_a_number: Option<Token<'a>>,
-    color_out_of_range: Option<Token<'a>>,
-    no_texcoords: Option<Token<'a>>,
-    no_normals: Option<Token<'a>>,
-    too_few_corners: Option<Token<'a>>,
-    crosses_itself: Option<Token<'a>>,
-    too_much_work: Option<Token<'a>>,
-    group: Option<Token<'a>>,
-    nameless: Option<Token<'a>>,
-}
-
-impl Odd<'_> {
-    fn warn(&self, lexer: &Lexer, warnings: &mut Warnings) {
-        let mut told = [
-            (
-                self.unknown,
-                "is not read here; skipped, and its like as well",
-            ),
-            (
-                self.not_a_number,
-                "is no number; it is passed over, and its like as well",
-            ),
-            (
-                self.color_out_of_range,
-                "is no part of a color, which goes from 0 to 1; it is clamped, and its like as well",
-            ),
-            (
-                self.no_texcoords,
-                "names a texture coordinate, but there are none above; it is passed over, and its like as well",
-            ),
-            (
-                self.no_normals,
-                "names a normal, but there are none above; it is passed over, and its like as well",
-            ),
-            (
-                self.too_few_corners,
-                "has fewer than 3 corners; it is left out, and its like as well",
-            ),
-            (
-                self.crosses_itself,
-                "is a face that crosses itself; it is cut into a fan, and its like as well",
-            ),
-            (
-                self.too_much_work,
-                "is a concave face, and the file has more corners of such than are cut; it is cut into a fan, and its like as well",
-            ),
-            (
-                self.group,
-                "is no smoothing group; it is taken for `off`, and its like as well",
-            ),
-            (
-                self.nameless,
-                "names nothing; it is passed over, and its like as well",
-            ),
-        ];
-        told.sort_by_key(|(token, _)| token.map(|token| token.offset));
-        for (token, what) in told {
-            if let Some(token) = token {
-                warnings.push(|| format!("{}: {} {what}", lexer.place(token), quoted(token.text)));
-            }
-        }
-    }
 }
 
 impl<'a> Reader<'a> {
