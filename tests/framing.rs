@@ -126,3 +126,16 @@ fn a_description_says_what_its_bounds_are_of() {
         (&json!("vertices"), &Value::Null)
     );
 }
+
+#[test]
+fn vertices_without_triangles_are_not_framed() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 90 90 0\nf 1 2 3";
+    load("stray vertex", &json!([{"name": "a.obj", "text": text}]));
+    assert_eq!(target(&seen("stray vertex", json!({}))), [0.5, 0.5]);
+    assert_eq!(
+        target(&seen("stray vertex", json!({"skin": "bind"}))),
+        [0.5, 0.5]
+    );
+    let found = ask_ok(&SERVICE, "rig.describe", json!({"rig": "stray vertex"}));
+    assert_eq!(found["bounds"]["max"], json!([90.0, 90.0, 0.0]));
+}

@@ -355,3 +355,28 @@ fn both_renderers_draw_an_obj_alike() {
     }
     assert!(off as f64 <= SHARE_OF_ALL * all as f64, "{off} of {all}");
 }
+
+#[test]
+fn textures_that_are_not_shown_are_no_files_that_nobody_refers_to() {
+    let library = "newmtl a\nmap_Ka ambient.png\nmap_Bump -bm 0.5 \"bumps.png\"\n";
+    let obj = "mtllib \"my colors.mtl\"\nv 0 0 0\nv 1 0 0\nv 0 1 0 2.0\nusemtl a\nf 1 2 3\n";
+    let files = [
+        ("a.obj", obj),
+        ("my colors.mtl", library),
+        ("ambient.png", "x"),
+        ("bumps.png", "x"),
+    ];
+    let summary = load(&SERVICE, "passed over", &files);
+    let wanted = "my colors.mtl:3:1: `map_Bump` is not shown, nor is its like";
+    assert_eq!(summary["warnings"], json!([wanted]));
+}
+
+#[test]
+fn what_is_lit_flat_is_picked_flat() {
+    let off = cube(["s off", "", "", "", "", ""], plain);
+    load(&SERVICE, "off", &[("off.obj", &off)]);
+    let camera = json!({"kind": "look_at", "eye": [0, 0, 9], "target": [0, 0, 0], "height": 4});
+    let request = json!({"rig": "off", "size": [64, 64], "camera": camera, "pixel": [40, 20]});
+    let found = ask_ok(&SERVICE, "scene.pick", request);
+    assert_eq!(found["hit"]["normal"], json!([0.0, 0.0, 1.0]));
+}

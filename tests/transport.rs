@@ -653,6 +653,7 @@ fn http_is_not_answered() {
         "POST / HTTP/1.1\r\n\r\n",
         "\r\nPOST /x HTTP/1.0\n",
         "OPTIONS * HTTP/1.1\r\n",
+        "PROPFIND / HTTP/1.1\r\n",
     ] {
         let mut wire = server.connect();
         wire.send(format!("{line}{call}"));

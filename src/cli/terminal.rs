@@ -20,7 +20,7 @@ pub(super) fn printable(text: &str) -> String {
 /// Writes a line to standard output.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub(super) fn print(line: &str) -> anyhow::Result<()> {
     write(format!("{line}\n").as_bytes())
 }
@@ -40,7 +40,7 @@ pub(super) fn flush() -> std::io::Result<()> {
 /// What is made of the outcome of writing to standard output.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub(super) fn settle(written: std::io::Result<()>) -> anyhow::Result<()> {
     match written {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {

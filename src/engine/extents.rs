@@ -10,8 +10,10 @@ use glam::Vec3;
 pub struct Extents {
     /// Of skinned vertices.
     skin: Option<Bounds>,
-    /// Of vertices as they were modelled.
-    skin_as_modelled: Option<Bounds>,
+    /// Of those that triangles have: the others cannot be seen.
+    drawn: Option<Bounds>,
+    /// Of the same as they were modelled.
+    drawn_as_modelled: Option<Bounds>,
     joints: Option<Bounds>,
     /// Of the boxes that files give joints.
     boxes: Option<Bounds>,
@@ -22,12 +24,21 @@ impl Extents {
         let rig = rest.rig();
         // Those of linear skinning, also for requests with dual quaternions: a camera must not depend on the way of skinning.
         let palette = rest.palette(Skinning::Linear);
-        let skinned = rig
-            .meshes()
-            .iter()
-            .flat_map(|mesh| cpu::skin_mesh(mesh, palette, rest.morph_weights()).0)
-            .map(|position| Vec3::from_array(position).as_dvec3());
-        let modelled = rig.meshes().iter().flat_map(|mesh| mesh.positions());
+        let (mut skin, mut drawn, mut drawn_as_modelled) = (None, None, None);
+        for mesh in rig.meshes() {
+            let (skinned, _) = cpu::skin_mesh(mesh, palette, rest.morph_weights());
+            let skinned = |vertex: usize| Vec3::from_array(skinned[vertex]).as_dvec3();
+            let modelled = |vertex: usize| mesh.positions()[vertex].as_dvec3();
+            let corners = || {
+                mesh.triangles()
+                    .as_flattened()
+                    .iter()
+                    .map(|&it| it as usize)
+            };
+            skin = joined(skin, Bounds::of((0..mesh.draw_vertex_count()).map(skinned)));
+            drawn = joined(drawn, Bounds::of(corners().map(skinned)));
+            drawn_as_modelled = joined(drawn_as_modelled, Bounds::of(corners().map(modelled)));
+        }
         let placed = rig.skeleton().joints().iter().zip(rest.world_from_joint());
         let corners = placed.flat_map(|(joint, world_from_joint)| {
             let boxes = joint.bounding_box.into_iter();
@@ -35,8 +46,9 @@ impl Extents {
             corners.map(|corner| world_from_joint.transform_point3(corner))
         });
         Self {
-            skin: Bounds::of(skinned),
-            skin_as_modelled: Bounds::of(modelled.map(|position| position.as_dvec3())),
+            skin,
+            drawn,
+            drawn_as_modelled,
             joints: Bounds::of(
                 rest.world_from_joint()
                     .iter()
@@ -64,8 +76,8 @@ impl Extents {
     /// What the default camera frames, whatever the pose: what is shown of the rig.
     pub fn framed(&self, show: &Show) -> Bounds {
         let skin = match show.skin {
-            ShowSkin::Posed => self.skin,
-            ShowSkin::Bind => self.skin_as_modelled,
+            ShowSkin::Posed => self.drawn,
+            ShowSkin::Bind => self.drawn_as_modelled,
             ShowSkin::None => None,
         };
         // Without a skin the skeleton is drawn whatever is asked for, and its boxes give a single joint a size.
@@ -76,9 +88,12 @@ impl Extents {
         let boxes = self
             .boxes
             .filter(|_| is_bare || show.skeleton == ShowSkeleton::Boxes);
-        let shown = [skin, joints, boxes].into_iter().flatten();
-        shown
-            .reduce(|all, bounds| all.and(&bounds))
-            .unwrap_or_else(|| self.bounds())
+        joined(joined(skin, joints), boxes).unwrap_or_else(|| self.bounds())
     }
+}
+
+fn joined(one: Option<Bounds>, other: Option<Bounds>) -> Option<Bounds> {
+    one.into_iter()
+        .chain(other)
+        .reduce(|all, bounds| all.and(&bounds))
 }

@@ -138,6 +138,14 @@ impl<'a> Files<'a> {
         Ok(found)
     }
 
+    /// A file that another one refers to, but that nobody needs, is used all the same.
+    pub(super) fn pass_over(&mut self, name: &str) {
+        let known = self.by_any_case.find(base_name(name));
+        if let Some(&index) = known.and_then(|known| self.by_base_name.get(known)) {
+            self.used[index] = true;
+        }
+    }
+
     fn spelled_otherwise(&mut self, from: &Gathered, name: &str) -> Option<String> {
         if let Some(sent) = self.by_any_case.find(base_name(name)) {
             return Some(sent.to_owned());

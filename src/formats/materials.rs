@@ -86,11 +86,11 @@ impl MaterialLookup<'_, '_, '_> {
         let mut libraries = Vec::new();
         for mention in mentions.iter().take(MOST) {
             let names = || mention.name.split_ascii_whitespace();
-            match self.files.look_up(obj, &mention.name) {
+            match self.files.look_up(obj, unquoted(&mention.name)) {
                 // Several names, or one with spaces in it: nothing but the files tells.
                 Err(Denied::NotFound) if names().nth(1).is_some() => {
                     for name in names().take(MOST) {
-                        let found = self.files.look_up(obj, name);
+                        let found = self.files.look_up(obj, unquoted(name));
                         self.read(found, name, &mention.place, &mut libraries);
                     }
                 }
@@ -118,7 +118,13 @@ impl MaterialLookup<'_, '_, '_> {
             Ok(file) if file.kind != Kind::Other => "it is no material library".to_owned(),
             Ok(file) => match file.text(self.warnings) {
                 Ok(text) => {
-                    let materials = mtl::read(&file.name, &text, self.warnings);
+                    let mtl::Library {
+                        materials,
+                        passed_over,
+                    } = mtl::read(&file.name, &text, self.warnings);
+                    for name in &passed_over {
+                        self.files.pass_over(unquoted(name));
+                    }
                     libraries.push(Library {
                         file: file.clone(),
                         materials,
@@ -167,7 +173,7 @@ impl MaterialLookup<'_, '_, '_> {
 
     fn texture(&mut self, library: &Gathered, map: Option<&Map>) -> Option<TexturePlace> {
         let map = map?;
-        let mention = (map.file.name.as_str(), map.file.place.as_str());
+        let mention = (unquoted(&map.file.name), map.file.place.as_str());
         let textures = &mut self.textures;
         let texture = textures.look_up(self.files, library, mention, self.warnings)?;
         Some(TexturePlace {
@@ -191,6 +197,16 @@ impl MaterialLookup<'_, '_, '_> {
 
 /// Of a library that says what is mirrored and not how sharply: that of a frame request that says neither.
 const SHININESS: f32 = 32.0;
+
+/// A file's name without the double quotes around it.
+fn unquoted(name: &str) -> &str {
+    let inside = name
+        .strip_prefix('"')
+        .and_then(|name| name.strip_suffix('"'));
+    inside
+        .filter(|inside| !inside.contains('"'))
+        .unwrap_or(name)
+}
 
 /// Neighbours that are drawn alike become one.
 fn joined(parts: impl Iterator<Item = PartDraft>) -> Vec<PartDraft> {

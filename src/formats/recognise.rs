@@ -64,13 +64,14 @@ impl Kind {
 
 pub(super) fn recognise(file: &str, bytes: &[u8]) -> Kind {
     let words = first_words(bytes);
-    let word = words[0];
+    // Readers take keywords in any case.
+    let word = words[0].to_ascii_lowercase();
     let extension = extension(file);
     let starts_a_number = word
         .iter()
         .find(|byte| !b"+-.".contains(byte))
         .is_some_and(u8::is_ascii_digit);
-    match (extension.as_str(), word) {
+    match (extension.as_str(), word.as_slice()) {
         (_, b"balljoint" | b"joint") => Kind::Cse169Skel,
         // The two look alike at first.
         ("morph", b"positions" | b"normals") => Kind::Cse169Morph,
@@ -194,6 +195,8 @@ mod tests {
             ("a.skel", b"# my model\n0 0 0 -1", Kind::MitSkel),
             ("a.skel", b"/* joint */ // x\r;\r 1 2 3 -1", Kind::MitSkel),
             ("a.txt", b"# wasp\njoint a {", Kind::Cse169Skel),
+            ("a.txt", b"BallJoint a {", Kind::Cse169Skel),
+            ("a.txt", b"Positions 3 {", Kind::Cse169Skin),
             ("a.txt", b"rig//x\n", Kind::Other),
             ("a.txt", b"rig // x\n a {", Kind::Cse169Rig),
             ("a.txt", b"/* joint", Kind::Other),

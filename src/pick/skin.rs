@@ -28,11 +28,12 @@ pub(super) fn nearest(ray: &Ray, skin: Skin) -> Option<Hit> {
                 // Of those after this one only what is nearer still counts.
                 reach.to = met.distance.next_down();
                 let triangle = part.triangles.start + met.triangle;
-                nearest = Some((index, mesh, vertices, Met { triangle, ..met }));
+                let smooth = (!part.is_flat).then_some(vertices);
+                nearest = Some((index, mesh, smooth, Met { triangle, ..met }));
             }
         }
     }
-    let (index, mesh, vertices, met) = nearest?;
+    let (index, mesh, smooth, met) = nearest?;
     Some(Hit {
         distance: met.distance,
         position: ray.at(met.distance),
@@ -40,7 +41,7 @@ pub(super) fn nearest(ray: &Ray, skin: Skin) -> Option<Hit> {
             mesh: index,
             triangle: met.triangle,
             barycentric: met.barycentric,
-            normal: normal(ray, mesh, vertices, &met),
+            normal: normal(ray, mesh, smooth, &met),
             joint: heaviest_joint(rig, mesh, &met),
         },
     })
@@ -195,15 +196,16 @@ fn wedge(a: DVec3, b: DVec3) -> f64 {
     a.x.mul_add(b.y, -right) + lost
 }
 
-/// Interpolated where there are normals and they do not cancel out, else the triangle's own. Which side of the triangle is seen decides
+/// Interpolated where there are normals, the part is not lit flat and they do not cancel out, else the triangle's own. Which side of the triangle is seen decides
 /// its sign, as it does where the skin is lit: near an outline an interpolated normal may well lean away from the viewer.
-fn normal(ray: &Ray, mesh: &Mesh, vertices: &SkinnedVertices, met: &Met) -> DVec3 {
+fn normal(ray: &Ray, mesh: &Mesh, smooth: Option<&SkinnedVertices>, met: &Met) -> DVec3 {
     let toward_viewer = if met.area_vector.dot(ray.direction) > 0.0 {
         -met.area_vector
     } else {
         met.area_vector
     };
-    let (normals, _) = vertices.normals.as_deref().unwrap_or_default().as_chunks();
+    let normals = smooth.and_then(|vertices| vertices.normals.as_deref());
+    let (normals, _) = normals.unwrap_or_default().as_chunks();
     let interpolated = corners_of(normals, &mesh.triangles()[met.triangle]).and_then(|corners| {
         let shared = corners.map(in_f64).into_iter().zip(met.barycentric);
         shared

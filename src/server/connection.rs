@@ -137,11 +137,9 @@ fn answer(conversation: &mut Conversation, queue: &Queue, message: Message, atta
 
 /// A browser that was talked into sending a request here gets nothing to work with.
 fn is_http(line: &[u8]) -> bool {
-    let methods = [
-        "GET", "POST", "PUT", "HEAD", "OPTIONS", "DELETE", "PATCH", "CONNECT", "TRACE", "PRI",
-    ];
-    let first_word = line.split(|&byte| byte == b' ').next().unwrap_or_default();
-    first_word.len() < line.len() && methods.iter().any(|method| method.as_bytes() == first_word)
+    // Whatever the method is called.
+    let last_word = line.rsplit(|&byte| byte == b' ').next().unwrap_or_default();
+    last_word.len() < line.len() && last_word.starts_with(b"HTTP/")
 }
 
 /// Closes gently: what the client still sends is thrown away for a while.

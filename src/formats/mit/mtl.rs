@@ -40,23 +40,36 @@ pub(in crate::formats) struct Map {
     pub picture_from_texcoord: TextureTransform,
 }
 
-/// Each name comes once.
-pub(in crate::formats) fn read(file: &str, text: &str, warnings: &mut Warnings) -> Vec<Mtl> {
+/// What a library has.
+#[derive(Debug)]
+pub(in crate::formats) struct Library {
+    /// Each name comes once.
+    pub materials: Vec<Mtl>,
+    /// Files of textures that are not shown.
+    pub passed_over: Vec<String>,
+}
+
+pub(in crate::formats) fn read(file: &str, text: &str, warnings: &mut Warnings) -> Library {
     let mut reader = Reader {
         statements: Statements::new(file, text),
         materials: Vec::new(),
+        passed_over: Vec::new(),
         names: HashSet::new(),
         is_second: false,
         odd: [None; 4],
     };
     reader.read_statements();
     reader.warn(warnings);
-    reader.materials
+    Library {
+        materials: reader.materials,
+        passed_over: reader.passed_over,
+    }
 }
 
 struct Reader<'a> {
     statements: Statements<'a>,
     materials: Vec<Mtl>,
+    passed_over: Vec<String>,
     names: HashSet<String>,
     /// Whether the material that is being read has the name of an earlier one.
     is_second: bool,
@@ -86,10 +99,13 @@ impl<'a> Reader<'a> {
                     text: "",
                     ..keyword
                 })),
-                text if is_read_over(text) => {}
+                text if is_read_over(text) => self.pass_over_texture(text, rest),
                 text => match self.read_look(text, rest) {
                     Ok(look) => self.add(look, keyword),
-                    Err(odd) => self.note(odd, keyword),
+                    Err(odd) => {
+                        self.note(odd, keyword);
+                        self.pass_over_texture(text, rest);
+                    }
                 },
             }
         }
@@ -104,6 +120,17 @@ impl<'a> Reader<'a> {
                 name: name.text.to_owned(),
                 ..Mtl::default()
             });
+        }
+    }
+
+    fn pass_over_texture(&mut self, keyword: &str, rest: Option<Token<'a>>) {
+        let names_a_file = keyword.starts_with("map_")
+            || matches!(keyword, "bump" | "disp" | "decal" | "refl" | "norm");
+        if let Some(map) = rest
+            .filter(|_| names_a_file)
+            .and_then(|rest| self.read_map(rest))
+        {
+            self.passed_over.push(map.file.name);
         }
     }
 
@@ -311,8 +338,8 @@ mod tests {
 
     fn mtl(text: &str) -> (Vec<Mtl>, Vec<String>) {
         let mut warnings = Warnings::default();
-        let materials = read("a.mtl", text, &mut warnings);
-        (materials, warnings.into_sentences())
+        let library = read("a.mtl", text, &mut warnings);
+        (library.materials, warnings.into_sentences())
     }
 
     #[test]

@@ -205,20 +205,27 @@ impl<'a> Reader<'a> {
             let word = self.statements.next_value();
             position[axis] = self.number_at(word, keyword)?;
         }
-        let mut surplus = [0.0; SURPLUS];
-        let mut count = 0;
+        let mut surplus = Vec::with_capacity(SURPLUS);
         let word = loop {
             let word = self.statements.next_value();
-            if word.ends_line() || count == SURPLUS {
+            if word.ends_line() || surplus.len() == SURPLUS {
                 break word;
             }
-            surplus[count] = self.channel_at(word, keyword)?;
-            count += 1;
+            surplus.push(word);
         };
         self.positions.push(position);
-        if let [r, g, b, ..] = surplus[..count] {
-            self.colors.resize(self.positions.len() - 1, Vec4::ONE);
-            self.colors.push(Vec3::new(r, g, b).extend(1.0));
+        match surplus[..] {
+            [r, g, b, ..] => {
+                let color = [r, g, b].map(|word| self.channel_at(word, keyword));
+                let [r, g, b] = color;
+                self.colors.resize(self.positions.len() - 1, Vec4::ONE);
+                self.colors.push(Vec3::new(r?, g?, b?).extend(1.0));
+            }
+            ref others => {
+                for &word in others {
+                    self.loose_number_at(word, keyword)?;
+                }
+            }
         }
         Ok(self.check_line_end(word, "at most 7 numbers")?)
     }

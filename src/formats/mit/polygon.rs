@@ -39,6 +39,8 @@ impl Cutter {
     pub fn cut(&mut self, corners: &[Vec3]) -> Result<Vec<[usize; 3]>, Misfit> {
         let outline = match outline(corners) {
             Some(outline) if !fan_fits(&outline) => outline,
+            // Its parts cancel out.
+            None if !is_in_line(corners) => return Err(Misfit::CrossesItself),
             // No cut of a face without an area shows.
             _ => return Ok(fan(corners.len()).collect()),
         };
@@ -84,6 +86,11 @@ fn outline(corners: &[Vec3]) -> Option<Vec<DVec2>> {
     // Adding 0 leaves one zero of the two.
     let seen = |corner: &Vec3| DVec2::new(corner[across].into(), corner[up].into()) + DVec2::ZERO;
     Some(corners.iter().map(seen).collect())
+}
+
+fn is_in_line(corners: &[Vec3]) -> bool {
+    fan(corners.len())
+        .all(|triangle| area_vector(&triangle.map(|corner| corners[corner])) == DVec3::ZERO)
 }
 
 fn fan_fits(outline: &[DVec2]) -> bool {
@@ -275,6 +282,10 @@ mod tests {
     fn a_face_that_crosses_itself_is_told() {
         let bow = corners(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 1.0]]);
         assert_eq!(Cutter::new().cut(&bow), Err(Misfit::CrossesItself));
+        let even_bow = corners(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]]);
+        assert_eq!(Cutter::new().cut(&even_bow), Err(Misfit::CrossesItself));
+        let in_line = corners(&[[0.0, 0.0], [1.0, 1.0], [3.0, 3.0], [2.0, 2.0]]);
+        assert_eq!(Cutter::new().cut(&in_line), Ok(fan(4).collect()));
         let star = (0..5).map(|corner| {
             let angle = f64::from(corner) * 0.8 * std::f64::consts::PI;
             [libm::cos(angle) as f32, libm::sin(angle) as f32]
