@@ -1,7 +1,7 @@
 //! Does the program do what its help says, and fail in words?
 
 use image::RgbaImage;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::Once;
@@ -200,7 +200,11 @@ fn a_turntable_goes_once_around_in_every_kind_of_file() {
     }
 
     // From where the camera is without a turntable.
-    render("start.png", &["--turntable", "1"]);
+    let said = render("start.png", &["--turntable", "1"]);
+    assert!(
+        said.starts_with("start_0000.png (a single frame of 48x40, "),
+        "{said}"
+    );
     assert_eq!(picture("start_0000.png"), still);
 }
 
@@ -214,7 +218,14 @@ fn an_animation_of_one_frame_is_one() {
         said.starts_with("single.GIF (a single frame of 48x40, "),
         "{said}"
     );
+    assert!(
+        said.ends_with("; --turntable, or --clip without --time, draws more)\n"),
+        "{said}"
+    );
     assert_eq!(gif_frames("single.GIF").len(), 1);
+    let said = render("rare.gif", &["--clip", "walk", "--fps", "0.01"]);
+    let wanted = "; the clip has room for no more at --fps 0.01)\n";
+    assert!(said.ends_with(wanted), "{said}");
 }
 
 #[test]
@@ -224,8 +235,18 @@ fn nothing_is_left_of_a_file_that_failed() {
         // Found at the first frame.
         (&["--set", "head.rX=1"][..], "failed.gif"),
         (&["--set", "head.rX=1"], "failed.png"),
-        // An eye too far away.
-        (&["--turntable", "3", "--target", "1e13,0,0"], "failed.apng"),
+        // An eye too far away, in the second one.
+        (
+            &[
+                "--turntable",
+                "2",
+                "--target",
+                "1e12,0,0",
+                "--camera",
+                "-90deg,0,5",
+            ],
+            "failed.apng",
+        ),
     ];
     for (arguments, name) in failing {
         std::fs::write(folder().join(name), kept).expect("a file");
@@ -240,11 +261,12 @@ fn nothing_is_left_of_a_file_that_failed() {
 #[test]
 fn a_folder_in_the_way_is_an_error() {
     std::fs::create_dir_all(folder().join("taken.gif")).expect("a folder");
-    let output = rigd(&[&["render", "-o", "taken.gif"], &ADAPTER[..]].concat());
+    let drawing = ["render", "--turntable", "2", "-o", "taken.gif"];
+    let output = rigd(&[&drawing, &ADAPTER[..]].concat());
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{said}");
-    assert!(said.contains("cannot write taken.gif"), "{said}");
-    assert_eq!(left_over("taken.gif"), ["taken.gif"]);
+    assert!(said.contains("found the folder `taken.gif`"), "{said}");
+    assert_eq!(left_over("taken"), ["taken.gif"]);
 }
 
 #[cfg(unix)]
@@ -410,6 +432,7 @@ fn angles_are_told_in_the_unit_that_was_typed() {
             "'--fov <ANGLE>': expected an angle from 0.01deg to 179.99deg",
         ),
         (&["--fov", "45"], "for degrees type 45deg"),
+        (&["--fov", "200"], "to 3.1414rad, but found `200`\n"),
         (
             &["--camera", "30,20"],
             "warning: --camera: 30 is taken for radians, more than a full turn; for degrees type 30deg",
@@ -428,7 +451,11 @@ fn angles_are_told_in_the_unit_that_was_typed() {
         ),
         (
             &["--set", "spine.rx=200°", "--limits", "reject"],
-            "--set spine.rx: expected an angle from -20deg to 40deg, its limits, but found 200deg",
+            "--set spine.rx: expected an angle from -20deg to 39.99deg, its limits, but found 200deg",
+        ),
+        (
+            &["--set", "spine.rx=40deg", "--limits", "reject"],
+            "from -20deg to 39.99deg, its limits, but found 40deg",
         ),
         (
             &["--set", "pelvis.tx=30deg"],
@@ -451,6 +478,54 @@ fn a_rig_without_morph_targets_says_so() {
     let output = rigd(&["render", "-o", "x.png", "legs.skel", "--morph", "smile=1"]);
     let wanted = "rigd: --morph smile: the rig has no such morph target; it has none\n";
     assert_eq!(text(&output.stderr), wanted);
+}
+
+#[test]
+fn a_joint_that_is_called_like_a_morph_target_is_none() {
+    let skel = "balljoint morph.x { balljoint knee { offset 0 1 0 } }";
+    std::fs::write(folder().join("namesake.skel"), skel).expect("a file");
+    for (morph, wanted) in [
+        (
+            "x.rx=0.5",
+            "--morph x.rx: expected a morph target, but morph.x.rx is a DOF of a joint; for that type --set morph.x.rx=0.5\n",
+        ),
+        (
+            "smile=1",
+            "--morph smile: the rig has no such morph target; it has none\n",
+        ),
+    ] {
+        let drawing = ["render", "-o", "x.png", "namesake.skel", "--morph", morph];
+        let output = rigd(&[&drawing[..], &ADAPTER].concat());
+        let said = text(&output.stderr);
+        assert_eq!(said, format!("rigd: {wanted}"));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn names_that_are_no_text_are_told_or_written() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let run = |arguments: &[&OsStr]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rigd"));
+        let command = command.args(arguments).args(ADAPTER);
+        let output = command.current_dir(folder()).output();
+        output.expect("the program runs")
+    };
+    let [render, size, turn] = ["render", "--size=8", "--turntable=2"].map(OsStr::new);
+    let output = run(&[
+        render,
+        OsStr::from_bytes(b"\xff.skel"),
+        OsStr::new("-ox.png"),
+    ]);
+    let wanted = "error: expected UTF-8, but found the argument `\u{fffd}.skel`\n";
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(text(&output.stderr), wanted);
+    let output = run(&[render, size, turn, OsStr::from_bytes(b"-onotext\xff.png")]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    for name in [&b"notext\xff_0000.png"[..], b"notext\xff_0001.png"] {
+        assert!(folder().join(OsStr::from_bytes(name)).is_file());
+    }
 }
 
 #[test]
@@ -517,6 +592,42 @@ fn what_cannot_be_done_is_said_with_a_failing_exit_code() {
             &["render", "-o", "x.png", "--set", "head.rx"],
             2,
             "expected DOF=VALUE",
+        ),
+        (
+            &["render", "-o", "x.png", "--set", "pelvis.tx=10m"],
+            2,
+            "expected a number, or an angle such as 30deg, but found `10m`",
+        ),
+        (
+            &["render", "-o", "x.png", "--camera", "30deg,20deg,-1"],
+            2,
+            "expected a distance from 1e-12 to 1e12, but found `-1`",
+        ),
+        (
+            &["render", "-o", "x.png", "--target", "1e13,0,0"],
+            2,
+            "'--target <X,Y,Z>': expected coordinates within ±1e12, but found `1e13,0,0`",
+        ),
+        (
+            &["render", "-o", "x.png", "--eye", "1e13,0,0"],
+            2,
+            "'--eye <X,Y,Z>': expected coordinates within ±1e12, but found `1e13,0,0`",
+        ),
+        (
+            &["render", "-o", "x.png", "--target", "1e12,0,0"],
+            1,
+            "--target, and the eye that goes by it: expected an eye within ±1e12",
+        ),
+        (
+            &[
+                "render",
+                "-o",
+                "x.png",
+                "--eye=1e12,0,0",
+                "--target=-1e12,0,0",
+            ],
+            1,
+            "--eye, its distance: expected a number from 1e-12 to 1e12",
         ),
         (
             &["render", "-o", "x.png", "--set", "head.rX=1"],
@@ -998,7 +1109,9 @@ fn every_picture_and_array_of_a_result_is_saved() {
     // The file of each array that was printed has the bytes that the array says.
     let check = |printed: &serde_json::Value, file: &str| {
         assert_eq!(printed["file"], file);
-        assert_eq!(printed.get("data"), None);
+        for gone in ["data", "encoding", "offset"] {
+            assert_eq!(printed.get(gone), None);
+        }
         let bytes = std::fs::read(folder().join(file)).expect("a file").len() as u64;
         let shape = printed["shape"].as_array().expect("a shape");
         let numbers = shape
@@ -1032,7 +1145,14 @@ fn every_picture_and_array_of_a_result_is_saved() {
 
     let poses = r#"{"rig": "figure", "poses": [{}, {}], "stream": true, "transport": "attach"}"#;
     let output = daemon.call("mesh.batch", poses, "pose.f32");
-    assert!(output.status.success(), "{}", text(&output.stderr));
+    let said = text(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let places: Vec<_> = said
+        .lines()
+        .filter_map(|line| line.split(['(', ')']).nth(1))
+        .collect();
+    assert_eq!(places[0], "item 0, item.meshes[0].normals, 71532 bytes");
+    assert_eq!(places[3], "item 1, item.meshes[0].positions, 71532 bytes");
     let mut saved = left_over("pose");
     saved.sort_unstable();
     let wanted = ["0000_0000", "0000_0001", "0001_0000", "0001_0001"];
@@ -1043,6 +1163,34 @@ fn every_picture_and_array_of_a_result_is_saved() {
     assert!(output.status.success());
     image::load_from_memory(&output.stdout).expect("a PNG and nothing else");
     assert!(text(&output.stderr).contains("\"world_from_camera\""));
+}
+
+#[test]
+fn a_stream_that_nobody_reads_any_more_is_not_waited_for() {
+    let server = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = server.local_addr().expect("it is bound").to_string();
+    let (reader, writer) = std::io::pipe().expect("a pipe");
+    drop(reader);
+    let mut call = Command::new(env!("CARGO_BIN_EXE_rigd"));
+    let call = call.args([
+        "call",
+        "frame.batch",
+        r#"{"stream": true}"#,
+        "--connect",
+        &address,
+    ]);
+    let mut call = call.stdout(writer).spawn().expect("it starts");
+    let (mut connection, _) = server.accept().expect("it connects");
+    let item = r#"{"jsonrpc": "2.0", "method": "frame.ready", "params": {"index": 0}}"#;
+    writeln!(connection, "{item}").expect("it reads");
+    let mut received = Vec::new();
+    let patience = std::time::Duration::from_secs(60);
+    connection.set_read_timeout(Some(patience)).expect("a time");
+    // Its request, and then the end of the connection, which comes before any reply.
+    let end = connection.read_to_end(&mut received);
+    let ended = end.is_ok() || end.is_err_and(|error| error.kind() == ErrorKind::ConnectionReset);
+    assert!(ended, "it waits for more");
+    assert!(call.wait().expect("it ends").success());
 }
 
 #[test]
@@ -1072,6 +1220,15 @@ fn what_is_not_saved_is_told() {
             "cannot write nowhere/x_0000",
         ),
         (
+            "mesh.vertices",
+            both,
+            "beside/",
+            1,
+            "--output: expected the name of a file, but found the folder `beside/`",
+        ),
+        ("mesh.vertices", both, "/", 1, "but found the folder `/`"),
+        ("mesh.vertices", both, ".", 1, "but found the folder `.`"),
+        (
             "frame.batch",
             r#"{"rig": "figure", "frames": [{}], "stream": true}"#,
             "-",
@@ -1084,6 +1241,7 @@ fn what_is_not_saved_is_told() {
         assert_eq!(output.status.code(), Some(code), "{said}");
         assert!(said.contains(wanted), "{said}");
     }
+    assert!(left_over("beside").is_empty());
     let address = daemon.1.as_str();
     let output = rigd(&["call", "mesh.vertices", both, "--connect", address]);
     let said = text(&output.stderr);

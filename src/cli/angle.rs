@@ -23,13 +23,31 @@ pub(super) enum Unit {
 impl Unit {
     /// An angle in this unit, as it can be typed.
     pub fn show(self, radians: f64) -> String {
+        self.show_moved(radians, 0.0)
+    }
+
+    /// The least that an angle may be, rounded up, so that what is shown may be typed.
+    pub fn show_least(self, radians: f64) -> String {
+        self.show_moved(radians, ALMOST_HALF)
+    }
+
+    /// The most that an angle may be, rounded down, so that what is shown may be typed.
+    pub fn show_most(self, radians: f64) -> String {
+        self.show_moved(radians, -ALMOST_HALF)
+    }
+
+    /// Moved by a share of the last decimal that is shown.
+    fn show_moved(self, radians: f64, share: f64) -> String {
         match self {
-            Self::None | Self::Radians => format!("{}rad", rounded(radians, 4)),
+            Self::None | Self::Radians => format!("{}rad", rounded(radians + share * 1e-4, 4)),
             // Files give radians with few decimals; more than two of a degree would show that.
-            Self::Degrees => format!("{}deg", rounded(radians.to_degrees(), 2)),
+            Self::Degrees => format!("{}deg", rounded(radians.to_degrees() + share * 1e-2, 2)),
         }
     }
 }
+
+/// Moves a number that is to be rounded up or down, but for one that is off a round one by the error of a conversion.
+const ALMOST_HALF: f64 = 0.5 - 1e-9;
 
 /// A length or a weight with as many decimals as are of use to a reader.
 pub(super) fn decimal(number: f64) -> String {
@@ -88,11 +106,14 @@ impl FromStr for FieldOfView {
         if FOV_Y_RADIANS.contains(&angle.radians) {
             return Ok(Self(angle.radians));
         }
-        let [least, most] =
-            [FOV_Y_RADIANS.start(), FOV_Y_RADIANS.end()].map(|end| angle.unit.show(*end));
-        let hint = match angle.unit {
-            Unit::None => format!(", which stands for radians; for degrees type {text}deg"),
-            Unit::Radians | Unit::Degrees => String::new(),
+        let least = angle.unit.show_least(*FOV_Y_RADIANS.start());
+        let most = angle.unit.show_most(*FOV_Y_RADIANS.end());
+        let is_in_degrees =
+            angle.unit == Unit::None && FOV_Y_RADIANS.contains(&angle.radians.to_radians());
+        let hint = if is_in_degrees {
+            format!(", which stands for radians; for degrees type {text}deg")
+        } else {
+            String::new()
         };
         Err(format!(
             "expected an angle from {least} to {most}, but found `{text}`{hint}"
@@ -123,6 +144,22 @@ mod tests {
     }
 
     #[test]
+    fn ends_of_a_range_are_shown_as_what_lies_inside() {
+        let degrees = |number: f64| number * (std::f64::consts::PI / 180.0);
+        for (unit, radians, least, most) in [
+            (Unit::None, 1.23456, "1.2346rad", "1.2345rad"),
+            (Unit::Radians, -1.23456, "-1.2345rad", "-1.2346rad"),
+            (Unit::Radians, 0.5, "0.5rad", "0.5rad"),
+            (Unit::Degrees, degrees(40.0), "40deg", "40deg"),
+            (Unit::Degrees, degrees(-29.0), "-29deg", "-29deg"),
+            (Unit::Degrees, degrees(0.007), "0.01deg", "0deg"),
+        ] {
+            assert_eq!(unit.show_least(radians), least);
+            assert_eq!(unit.show_most(radians), most);
+        }
+    }
+
+    #[test]
     fn more_than_a_turn_without_a_unit_is_doubted() {
         for (text, is_odd) in [
             ("30", true),
@@ -141,7 +178,13 @@ mod tests {
         assert_eq!("1".parse(), Ok(FieldOfView(1.0)));
         for (text, wanted) in [
             ("200deg", "from 0.01deg to 179.99deg, but found `200deg`"),
-            ("4rad", "from 0.0001rad to 3.1415rad, but found `4rad`"),
+            ("4rad", "from 0.0001rad to 3.1414rad, but found `4rad`"),
+            (
+                "3.1415",
+                "to 3.1414rad, but found `3.1415`, which stands for radians; for degrees type 3.1415deg",
+            ),
+            ("200", "to 3.1414rad, but found `200`"),
+            ("0", "to 3.1414rad, but found `0`"),
             (
                 "45",
                 "but found `45`, which stands for radians; for degrees type 45deg",

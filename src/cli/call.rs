@@ -1,7 +1,7 @@
 //! `rigd call`: one request to a running daemon.
 
 use super::files::{self, Destination, numbered};
-use super::terminal::{note, print};
+use super::terminal::{note, print, print_to_reader};
 use super::values::address;
 use crate::client::{Ahead, Client, Message};
 use crate::protocol::Blob;
@@ -35,7 +35,7 @@ const SHOWN: usize = 160;
 
 pub(super) fn run(args: &CallArgs) -> anyhow::Result<()> {
     let params = args.params()?;
-    let output = args.output.as_deref().map(Destination::from);
+    let output = args.output.as_deref().map(Destination::of).transpose()?;
     let streams = params.get("stream") == Some(&Value::Bool(true));
     if streams && output == Some(Destination::StandardOutput) {
         bail!("--output: a stream needs a file's name, but found `-`");
@@ -54,7 +54,13 @@ pub(super) fn run(args: &CallArgs) -> anyhow::Result<()> {
     };
     let reply = loop {
         match client.next()? {
-            Message::Ahead(item) => items.take(item, args.output.as_deref())?,
+            Message::Ahead(item) => {
+                let is_read = items.take(item, args.output.as_deref())?;
+                if !is_read && output.is_none() {
+                    // Nobody is left who would want the rest, and the closed connection tells the server.
+                    return Ok(());
+                }
+            }
             Message::Reply(reply) => break reply,
         }
     };
@@ -68,7 +74,7 @@ pub(super) fn run(args: &CallArgs) -> anyhow::Result<()> {
     };
     let saved = match &output {
         None => Ok(warn_of_unsaved(&reply.attached)),
-        Some(Destination::File(path)) => save(&mut result, &reply.attached, path),
+        Some(Destination::File(path)) => save(&mut result, &reply.attached, path, ""),
         Some(Destination::StandardOutput) => pass_on(&mut result, &reply.attached),
     };
     let text = serde_json::to_string_pretty(&result)?;
@@ -95,19 +101,20 @@ struct Items {
 }
 
 impl Items {
-    /// Prints one on a line of its own.
-    fn take(&mut self, item: Ahead, output: Option<&Path>) -> anyhow::Result<()> {
+    /// Prints one on a line of its own; whether anybody still reads.
+    fn take(&mut self, item: Ahead, output: Option<&Path>) -> anyhow::Result<bool> {
         let mut params: Value = serde_json::from_str(item.params.get())?;
         self.saved += match output {
             Some(path) => {
                 let path = numbered(path, self.came, self.count);
-                save(&mut params, &item.attached, &path)?
+                let before = format!("item {}, ", self.came);
+                save(&mut params, &item.attached, &path, &before)?
             }
             None => warn_of_unsaved(&item.attached),
         };
         self.came += 1;
         let method = item.method;
-        print(&json!({"method": method, "params": params}).to_string())
+        print_to_reader(&json!({"method": method, "params": params}).to_string())
     }
 }
 
@@ -122,8 +129,9 @@ fn asked_for(params: &Value) -> usize {
         .unwrap_or(0)
 }
 
-/// Saves every blob in `value`, which then says where in place of the data. How many there were.
-fn save(value: &mut Value, attached: &[u8], output: &Path) -> anyhow::Result<usize> {
+/// Saves every blob in `value`, which then says where in place of how it travelled. How many there were. What is told of each has its place
+/// in `value` after `before`.
+fn save(value: &mut Value, attached: &[u8], output: &Path, before: &str) -> anyhow::Result<usize> {
     let blobs = blobs(value);
     let count = blobs.len();
     for (index, (place, blob)) in blobs.into_iter().enumerate() {
@@ -134,7 +142,7 @@ fn save(value: &mut Value, attached: &[u8], output: &Path) -> anyhow::Result<usi
         let bytes = take(blob, attached)?;
         files::write(&path, &bytes)?;
         let path = path.to_string_lossy();
-        note(&format!("{path} ({place}, {} bytes)", bytes.len()));
+        note(&format!("{path} ({before}{place}, {} bytes)", bytes.len()));
         blob.insert("file".to_owned(), path.into());
     }
     Ok(count)
@@ -163,11 +171,11 @@ fn warn_of_unsaved(attached: &[u8]) -> usize {
     0
 }
 
-/// The content of a blob, whose data is then gone from it.
+/// The content of a blob, which then has nothing left of how it travelled.
 fn take(blob: &mut Map<String, Value>, attached: &[u8]) -> anyhow::Result<Vec<u8>> {
-    let data = blob.remove("data");
+    let travelled = ["encoding", "offset", "data"].map(|field| blob.remove_entry(field));
     let mut whole = blob.clone();
-    whole.extend(data.map(|data| ("data".to_owned(), data)));
+    whole.extend(travelled.into_iter().flatten());
     let whole: Blob = serde_json::from_value(Value::Object(whole))
         .context("the server sent a blob that cannot be read")?;
     Ok(whole.bytes(attached)?.into_owned())

@@ -15,14 +15,26 @@ pub(super) enum Destination {
     StandardOutput,
 }
 
-impl From<&Path> for Destination {
-    fn from(path: &Path) -> Self {
+impl Destination {
+    /// # Errors
+    /// Where it is no name that a file can have, or that of a folder.
+    pub fn of(path: &Path) -> anyhow::Result<Self> {
         if path == Path::new("-") {
-            Self::StandardOutput
-        } else {
-            Self::File(path.to_owned())
+            return Ok(Self::StandardOutput);
         }
+        if !ends_in_name(path) || path.is_dir() {
+            let path = path.display();
+            bail!("--output: expected the name of a file, but found the folder `{path}`");
+        }
+        Ok(Self::File(path.to_owned()))
     }
+}
+
+/// Not so `out/`, `out/.` and `/`, of which a path makes the same as of `out` or nothing.
+fn ends_in_name(path: &Path) -> bool {
+    let whole = path.as_os_str().as_encoded_bytes();
+    path.file_name()
+        .is_some_and(|name| whole.ends_with(name.as_encoded_bytes()))
 }
 
 /// Writes what is no text to standard output.
@@ -39,10 +51,11 @@ pub(super) fn write_to_stdout(content: &[u8]) -> anyhow::Result<()> {
 /// One of several files in place of `path`: `walk_0007.png` for `walk.png` and 7. With four digits, or as many as the last of `count` needs.
 pub(super) fn numbered(path: &Path, number: usize, count: usize) -> PathBuf {
     let digits = count.saturating_sub(1).to_string().len().max(4);
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let mut name = format!("{stem}_{number:0digits$}");
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push(format!("_{number:0digits$}"));
     if let Some(ending) = path.extension() {
-        name = format!("{name}.{}", ending.to_string_lossy());
+        name.push(".");
+        name.push(ending);
     }
     path.with_file_name(name)
 }
@@ -110,6 +123,20 @@ mod tests {
             ("walk", 12_345, 0, "walk_12345"),
         ] {
             assert_eq!(numbered(path.as_ref(), number, count), Path::new(name));
+        }
+    }
+
+    #[test]
+    fn a_destination_is_a_file_or_standard_output() {
+        for path in ["out", "out.png", "../out", ".out"] {
+            let file = Destination::File(path.into());
+            assert_eq!(Destination::of(path.as_ref()).unwrap(), file);
+        }
+        let piped = Destination::of("-".as_ref()).unwrap();
+        assert_eq!(piped, Destination::StandardOutput);
+        for path in ["", "out/", "out.png/", "out/.", ".", "..", "/", "src"] {
+            let error = Destination::of(path.as_ref()).unwrap_err().to_string();
+            assert!(error.ends_with(&format!("`{path}`")), "{error}");
         }
     }
 }

@@ -17,6 +17,7 @@ mod values;
 pub use builtin::figure;
 
 use crate::protocol::nearest;
+use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use exit::Outcome;
 use std::path::Path;
@@ -78,7 +79,21 @@ pub fn run() -> ExitCode {
     }
     match Cli::try_parse() {
         Ok(cli) => exit::code(cli.command.unwrap_or(Command::Serve(cli.serve)).run()),
+        Err(error) if error.kind() == ErrorKind::InvalidUtf8 => {
+            name_what_is_no_text();
+            exit::MISREAD.into()
+        }
         Err(error) => exit::misread(&error),
+    }
+}
+
+/// Tells which arguments are not UTF-8, which the error of the parser does not.
+fn name_what_is_no_text() {
+    for argument in std::env::args_os().filter(|argument| argument.to_str().is_none()) {
+        let shown = argument.display();
+        terminal::note(&format!(
+            "error: expected UTF-8, but found the argument `{shown}`"
+        ));
     }
 }
 

@@ -22,7 +22,16 @@ pub(super) fn printable(text: &str) -> String {
 /// # Errors
 /// As [`write()`].
 pub(super) fn print(line: &str) -> anyhow::Result<()> {
-    write(format!("{line}\n").as_bytes())
+    print_to_reader(line).map(|_| ())
+}
+
+/// As [`print`]; whether anybody still reads.
+///
+/// # Errors
+/// As [`write`].
+pub(super) fn print_to_reader(line: &str) -> anyhow::Result<bool> {
+    let written = stdout().write_all(format!("{line}\n").as_bytes());
+    is_read(written.and_then(|()| flush()))
 }
 
 /// Writes to standard output, and does not wait for a line end.
@@ -42,11 +51,15 @@ pub(super) fn flush() -> std::io::Result<()> {
 /// # Errors
 /// As [`write()`].
 pub(super) fn settle(written: std::io::Result<()>) -> anyhow::Result<()> {
+    is_read(written).map(|_| ())
+}
+
+/// Whether the reader is still there.
+fn is_read(written: std::io::Result<()>) -> anyhow::Result<bool> {
     match written {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(error).context("cannot write to standard output")
-        }
-        _ => Ok(()),
+        Ok(()) => Ok(true),
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
+        Err(error) => Err(error).context("cannot write to standard output"),
     }
 }
 

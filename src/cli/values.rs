@@ -4,6 +4,7 @@
 use super::angle::Angle;
 use crate::encode::FrameRate;
 use crate::protocol::camera::{DirectionalLight, Falloff, Light, PointLight};
+use crate::scene::CAMERA_DISTANCES;
 use std::str::FromStr;
 
 /// `elbow.rx=30deg`: the name of a DOF and its value.
@@ -24,7 +25,9 @@ impl FromStr for Assignment {
             .ok_or_else(|| format!("expected DOF=VALUE, but found `{text}`"))?;
         Ok(Self {
             dof: dof.to_owned(),
-            value: value.parse()?,
+            value: value.parse().map_err(|_| {
+                format!("expected a number, or an angle such as 30deg, but found `{value}`")
+            })?,
         })
     }
 }
@@ -57,6 +60,18 @@ impl<const N: usize> FromStr for Vector<N> {
         let wrong = |_| format!("expected {N} numbers with commas between, but found `{text}`");
         numbers(text)?.try_into().map(Self).map_err(wrong)
     }
+}
+
+/// A point that a camera can stand at or look at.
+pub(super) fn point(text: &str) -> Result<Vector<3>, String> {
+    let point: Vector<3> = text.parse()?;
+    let most = *CAMERA_DISTANCES.end();
+    if point.0.iter().any(|number| number.abs() > most) {
+        return Err(format!(
+            "expected coordinates within ±{most:e}, but found `{text}`"
+        ));
+    }
+    Ok(point)
 }
 
 /// Red, green, blue and perhaps alpha, which is 1 where it is left out.
@@ -236,11 +251,16 @@ impl FromStr for OrbitView {
         let parts: Vec<&str> = text.split(',').collect();
         let (azimuth, inclination, distance) = match parts.as_slice() {
             [azimuth, inclination] => (azimuth, inclination, None),
-            [azimuth, inclination, distance] => (
-                azimuth,
-                inclination,
-                Some(finite(distance, "a distance", text)?),
-            ),
+            [azimuth, inclination, typed] => {
+                let distance = finite(typed, "a distance", typed)?;
+                if !CAMERA_DISTANCES.contains(&distance) {
+                    let (least, most) = (CAMERA_DISTANCES.start(), CAMERA_DISTANCES.end());
+                    return Err(format!(
+                        "expected a distance from {least:e} to {most:e}, but found `{typed}`"
+                    ));
+                }
+                (azimuth, inclination, Some(distance))
+            }
             _ => {
                 return Err(format!(
                     "expected AZIMUTH,INCLINATION[,DISTANCE], but found `{text}`"

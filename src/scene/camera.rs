@@ -73,6 +73,9 @@ impl Orbit {
 /// Fields of view that a camera can have. Closer to 0 or π nothing but rounding is left of a picture.
 pub const FOV_Y_RADIANS: RangeInclusive<f64> = 1e-4..=PI - 1e-4;
 
+/// How far a camera can be from its target. Coordinates go as far to either side.
+pub const CAMERA_DISTANCES: RangeInclusive<f64> = LEAST..=MOST;
+
 /// Height of the field of view where none is given.
 const FOV_Y: f64 = 2.0 * PI / 9.0;
 /// Share of the distance to the target at which the near plane stands.
@@ -303,7 +306,7 @@ impl Camera {
 }
 
 fn positive(number: f64, field: &'static str) -> Result<(), SceneError> {
-    let inside = (LEAST..=MOST).contains(&number);
+    let inside = CAMERA_DISTANCES.contains(&number);
     SceneError::unless(inside, field, "a number from 1e-12 to 1e12", number)
 }
 

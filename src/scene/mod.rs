@@ -7,7 +7,9 @@ mod light;
 mod query;
 
 pub use bounds::Bounds;
-pub use camera::{Camera, FOV_Y_RADIANS, LookAt, Near, Orbit, Pinhole, Projection};
+pub use camera::{
+    CAMERA_DISTANCES, Camera, FOV_Y_RADIANS, LookAt, Near, Orbit, Pinhole, Projection,
+};
 pub use light::{Cone, Falloff, Light};
 pub use query::{BoneRadius, Ray, Shape, VertexQuery};
 

@@ -88,8 +88,10 @@ const MORPH: &str = "morph.";
 
 fn unknown_morph(name: &str, rig: &Rig) -> String {
     let dofs = rig.dofs().all().iter();
+    // That of a joint may start like theirs.
+    let morphs = dofs.filter(|dof| matches!(dof.kind, DofKind::Morph { .. }));
     // What all of them start with would make any two look alike.
-    let known = dofs.filter_map(|dof| dof.name.strip_prefix(MORPH));
+    let known = morphs.filter_map(|dof| dof.name.strip_prefix(MORPH));
     unknown("morph target", name, known)
 }
 

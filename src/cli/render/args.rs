@@ -5,7 +5,7 @@ use crate::cli::angle::FieldOfView;
 use crate::cli::exit;
 use crate::cli::values::{
     Assignment, Fps, LightArg, OrbitView, Pixels, Rgba, Rotation, Seconds, Vector, Weight, number,
-    positive,
+    point, positive,
 };
 use crate::protocol::{frame as wire, pose as wire_pose};
 use clap::{Args, ValueEnum};
@@ -132,12 +132,13 @@ pub(in crate::cli) struct CameraArgs {
     #[arg(long, value_name = "AZ,INC[,DIST]", allow_hyphen_values = true)]
     pub camera: Option<OrbitView>,
     /// The point to look at; without it, the middle of the rig at rest
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub target: Option<Vector<3>>,
     /// The point to look from, in place of --camera
     #[arg(
         long,
         value_name = "X,Y,Z",
+        value_parser = point,
         allow_hyphen_values = true,
         conflicts_with = "camera"
     )]

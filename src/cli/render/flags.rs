@@ -64,15 +64,20 @@ fn option_of(path: &str, args: &RenderArgs) -> Option<String> {
         let of = if field.is_empty() { "" } else { ", its " };
         return Some(format!("--light number {number}{of}{field}"));
     }
-    let from = if args.camera.eye.is_some() {
+    let view = &args.camera;
+    let from = if view.eye.is_some() {
         "--eye"
     } else {
         "--camera"
     };
+    let goes_by_target = view.target.is_some() && view.eye.is_none() && view.camera.is_none();
     let clip = || Some(format!("--clip {}", args.pose.clip.as_deref()?));
     let option = match path {
         "pose.clip" | "pose.clip.name" => return clip(),
-        "camera" if args.camera.target.is_some() => return Some(format!("{from}, --target")),
+        "camera" if goes_by_target => "--target, and the eye that goes by it",
+        "camera" if view.target.is_some() => return Some(format!("{from}, --target")),
+        "camera.distance" => return Some(format!("{from}, its distance")),
+        "camera.near" => return Some(format!("{from}, its near plane")),
         "size" => "--size",
         "samples" => "--samples",
         "compression" => "--compression",
@@ -92,8 +97,8 @@ fn option_of(path: &str, args: &RenderArgs) -> Option<String> {
         "camera.target" => "--target",
         "camera.fov_y" => "--fov",
         "camera.height" => "--ortho",
-        "camera" | "camera.kind" | "camera.eye" | "camera.up" | "camera.near"
-        | "camera.distance" | "camera.azimuth" | "camera.inclination" => from,
+        "camera" | "camera.kind" | "camera.eye" | "camera.up" | "camera.azimuth"
+        | "camera.inclination" => from,
         "pose.clip.time" => "--time",
         "pose.limits" => "--limits",
         "pose" => "the pose of --set, --rotate, --morph and --clip",
@@ -109,11 +114,13 @@ fn past_limits(path: &str, args: &RenderArgs, rig: &RigDescription) -> Option<St
     let mut assignments = args.pose.assignments.iter().rev();
     let typed = assignments.find(|assignment| assignment.dof == dof)?.value;
     let limits = rotation_named(rig, dof)?;
-    let show = |end: Option<f64>| end.map_or("any".to_owned(), |end| typed.unit.show(end));
+    let any = || "any".to_owned();
     let (found, min, max) = (
         typed.unit.show(typed.radians),
-        show(limits.min),
-        show(limits.max),
+        limits
+            .min
+            .map_or_else(any, |min| typed.unit.show_least(min)),
+        limits.max.map_or_else(any, |max| typed.unit.show_most(max)),
     );
     Some(format!(
         "expected an angle from {min} to {max}, its limits, but found {found}"

@@ -38,7 +38,7 @@ use typed::Clamps;
 const IN_FLIGHT: usize = 3;
 
 pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
-    let output = Destination::from(args.output.output.as_path());
+    let output = Destination::of(&args.output.output)?;
     let format = Format::of(&output)?;
     let [width, height] = args.output.size.0;
     let size = Size::new(width, height, &Limits::default()).map_err(|error| match error {
@@ -54,13 +54,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
     }
     let mut request = args.request("")?;
     request.image = format.image();
-    let terms = Terms {
-        output,
-        format,
-        rate,
-        compression: of_compression(request.compression),
-        frames: None,
-    };
+    let compression = of_compression(request.compression);
 
     let mut warnings = Warnings::default();
     let engine = args.renderer.open()?;
@@ -76,9 +70,21 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
     let clamps = Clamps::new(args, &rig);
     let draw = || {
         let shots = Shots::new(args, motion, rate, request, &rig, &service)?;
-        let frames = (motion != Motion::Still).then(|| shots.count());
-        let reel = Reel::new(Terms { frames, ..terms }, size);
-        draw(&service, &shots, reel, clamps, &mut warnings)
+        let terms = Terms {
+            output,
+            format,
+            rate,
+            compression,
+            motion,
+            frames: shots.count(),
+        };
+        draw(
+            &service,
+            &shots,
+            Reel::new(terms, size),
+            clamps,
+            &mut warnings,
+        )
     };
     let written = draw().map_err(|error| flags::told_by_option(error, args, &rig))?;
     if let Some(written) = written {

@@ -1,5 +1,6 @@
 //! The files of a sequence. Never lives here: how frames are drawn or packed.
 
+use super::shots::Motion;
 use crate::cli::files::{self, Destination, Unfinished, numbered};
 use crate::encode::{AnimatedGif, AnimatedPng, Compression, FrameRate};
 use crate::frame::Frame;
@@ -51,8 +52,9 @@ pub(super) struct Terms {
     pub format: Format,
     pub rate: FrameRate,
     pub compression: Compression,
-    /// How many frames there will be; `None` for a single picture.
-    pub frames: Option<u32>,
+    pub motion: Motion,
+    /// How many there will be.
+    pub frames: u32,
 }
 
 /// Takes one frame after another.
@@ -121,20 +123,26 @@ impl Reel {
         let rate = self.terms.rate.per_second();
         let size = format!("{}x{}", self.size.width, self.size.height);
         let bytes = self.bytes;
-        Ok(Some(match (self.terms.frames, self.terms.format) {
-            (None, Format::Png) => format!("{path} ({size}, {bytes} bytes)"),
-            (Some(frames), Format::Png) => {
-                let (first, last) = (
-                    self.terms.name(output, 0),
-                    self.terms.name(output, frames - 1),
-                );
+        let Terms { motion, frames, .. } = self.terms;
+        let name = |frame| self.terms.name(output, frame);
+        Ok(Some(match (self.terms.format, motion, frames) {
+            (Format::Png, Motion::Still, _) => format!("{path} ({size}, {bytes} bytes)"),
+            (_, _, 1) => {
+                let path = name(0);
+                let path = path.display();
+                let why = match motion {
+                    Motion::Still => "; --turntable, or --clip without --time, draws more",
+                    Motion::Turntable(_) => "",
+                    Motion::Clip => &format!("; the clip has room for no more at --fps {rate}"),
+                };
+                format!("{path} (a single frame of {size}, {bytes} bytes{why})")
+            }
+            (Format::Png, ..) => {
+                let (first, last) = (name(0), name(frames - 1));
                 let (first, last) = (first.display(), last.display());
                 format!("{first} to {last} ({frames} frames of {size}, {bytes} bytes)")
             }
-            (None | Some(1), Format::Gif | Format::Apng) => format!(
-                "{path} (a single frame of {size}, {bytes} bytes; --turntable, or --clip without --time, draws more)"
-            ),
-            (Some(frames), Format::Gif | Format::Apng) => {
+            (Format::Gif | Format::Apng, ..) => {
                 format!("{path} ({frames} frames of {size} at {rate} a second, {bytes} bytes)")
             }
         }))
@@ -144,9 +152,11 @@ impl Reel {
 impl Terms {
     /// The file of one frame.
     fn name(&self, path: &Path, frame: u32) -> PathBuf {
-        match self.frames {
-            Some(frames) => numbered(path, frame as usize, frames as usize),
-            None => path.to_owned(),
+        match (self.format, self.motion) {
+            (Format::Png, Motion::Turntable(_) | Motion::Clip) => {
+                numbered(path, frame as usize, self.frames as usize)
+            }
+            _ => path.to_owned(),
         }
     }
 
@@ -171,10 +181,13 @@ impl Terms {
         let (unfinished, file) = Unfinished::create(path)?;
         let (file, rate, compression) = (BufWriter::new(file), self.rate, self.compression);
         let animation = match self.format {
-            Format::Apng => {
-                let frames = self.frames.unwrap_or(1);
-                Animation::Apng(AnimatedPng::new(file, size, frames, rate, compression)?)
-            }
+            Format::Apng => Animation::Apng(AnimatedPng::new(
+                file,
+                size,
+                self.frames,
+                rate,
+                compression,
+            )?),
             _ => Animation::Gif(AnimatedGif::new(file, size, rate, compression)?),
         };
         Ok((animation, unfinished))
@@ -196,13 +209,14 @@ mod tests {
         folder
     }
 
-    fn terms(path: &Path, frames: Option<u32>) -> Terms {
-        let output = Destination::from(path);
+    fn terms(path: &Path, frames: u32) -> Terms {
+        let output = Destination::of(path).unwrap();
         Terms {
             format: Format::of(&output).unwrap(),
             output,
             rate: FrameRate::new(24.0).unwrap(),
             compression: Compression::Fast,
+            motion: Motion::Turntable(frames),
             frames,
         }
     }
@@ -219,7 +233,7 @@ mod tests {
         for name in ["walk.gif", "walk.apng"] {
             let path = folder.join(name);
             fs::write(&path, "old").unwrap();
-            let mut reel = Reel::new(terms(&path, Some(3)), SIZE);
+            let mut reel = Reel::new(terms(&path, 3), SIZE);
             reel.push(vec![9; 24]).unwrap();
             assert_eq!(names(&folder).len(), 2, "the file and its part");
             drop(reel);
@@ -228,7 +242,7 @@ mod tests {
             fs::remove_file(&path).unwrap();
         }
         // One frame of the three that its header promises.
-        let mut reel = Reel::new(terms(&folder.join("walk.apng"), Some(3)), SIZE);
+        let mut reel = Reel::new(terms(&folder.join("walk.apng"), 3), SIZE);
         reel.push(vec![9; 24]).unwrap();
         assert!(reel.finish().is_err());
         assert!(names(&folder).is_empty());
@@ -240,7 +254,7 @@ mod tests {
         let folder = folder("finished");
         let path = folder.join("walk.gif");
         fs::write(&path, "old").unwrap();
-        let mut reel = Reel::new(terms(&path, Some(2)), SIZE);
+        let mut reel = Reel::new(terms(&path, 2), SIZE);
         reel.push(vec![9; 24]).unwrap();
         reel.push(vec![200; 24]).unwrap();
         let said = reel.finish().unwrap().unwrap();

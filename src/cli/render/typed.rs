@@ -14,7 +14,7 @@ impl RenderArgs {
     /// Doubts about angles without a unit, and what is typed in vain.
     ///
     /// # Errors
-    /// Where an angle was typed for what is none.
+    /// Where an angle was typed for what is none, or a weight for what moves a joint.
     pub(super) fn check_numbers(
         &self,
         rig: &RigDescription,
@@ -38,6 +38,14 @@ impl RenderArgs {
             if value.unit != Unit::None {
                 let found = value.unit.show(value.radians);
                 bail!("--set {dof}: expected {of}, but found the angle {found}");
+            }
+        }
+        for weight in &self.pose.morphs {
+            let (Weight { morph, weight }, dof) = (weight, weight.dof());
+            if dof_named(rig, &dof).is_some_and(|found| found.kind != DofKind::Morph) {
+                bail!(
+                    "--morph {morph}: expected a morph target, but {dof} is a DOF of a joint; for that type --set {dof}={weight}"
+                );
             }
         }
         let dofs = self.pose.assignments.iter().map(|set| set.dof.clone());
