@@ -168,7 +168,12 @@ mod tests {
 
     #[test]
     fn http_is_told_from_json() {
-        for line in ["GET / HTTP/1.1", "POST /x HTTP/1.0", "PRI * HTTP/2.0"] {
+        for line in [
+            "GET / HTTP/1.1",
+            "POST /x HTTP/1.0",
+            "PRI * HTTP/2.0",
+            "PROPFIND / HTTP/1.1",
+        ] {
             assert!(is_http(line.as_bytes()), "{line}");
         }
         for line in [
@@ -176,7 +181,7 @@ mod tests {
             "GETTING",
             "GET",
             " GET /",
-            "get / HTTP/1.1",
+            "HTTP/1.1",
         ] {
             assert!(!is_http(line.as_bytes()), "{line}");
         }
