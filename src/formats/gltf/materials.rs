@@ -24,6 +24,7 @@ use crate::rig::{
 use glam::{Vec3, Vec4};
 use gltf_json::Index;
 use gltf_json::material::AlphaMode;
+use gltf_json::validation::Checked;
 use serde_json::Value;
 
 /// `F` of what is no metal.
@@ -103,13 +104,11 @@ impl<'a> Materials<'a> {
         draft: &mut Draft,
     ) -> Result<(), LoadError> {
         let faults = self.textures.accessors.faults;
-        let modes = "OPAQUE, MASK or BLEND";
-        let mode = faults.valid(material.alpha_mode, &format!("{path}.alphaMode"), modes)?;
         let cutoff = material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
-        let opacity = match mode {
-            AlphaMode::Opaque => Opacity::Opaque,
-            AlphaMode::Mask => Opacity::Mask(cutoff),
-            AlphaMode::Blend => Opacity::Blend,
+        let opacity = match material.alpha_mode {
+            Checked::Valid(AlphaMode::Opaque) | Checked::Invalid => Opacity::Opaque,
+            Checked::Valid(AlphaMode::Mask) => Opacity::Mask(cutoff),
+            Checked::Valid(AlphaMode::Blend) => Opacity::Blend,
         };
         let alpha = match opacity {
             Opacity::Opaque => Alpha::Drop,
@@ -236,9 +235,11 @@ impl<'a> Materials<'a> {
         let Some(extension) = extensions.and_then(|it| it.others.get(EMISSIVE_STRENGTH)) else {
             return 1.0;
         };
-        let strength = extension
-            .get("emissiveStrength")
-            .map_or(Some(1.0), Value::as_f64);
+        let members = extension.as_object();
+        let strength = members.and_then(|it| {
+            let strength = it.get("emissiveStrength");
+            strength.map_or(Some(1.0), Value::as_f64)
+        });
         match strength.filter(|strength| *strength >= 0.0) {
             // More would be infinite where the factor is a small number.
             Some(strength) => strength.min(f64::from(MOST_EMISSIVE)) as f32,

@@ -159,6 +159,10 @@ impl MeshReader<'_, '_> {
             self.draft.warnings.push(warning);
             return Ok(());
         };
+        let extensions = primitive.extensions.as_ref().map(|it| &it.others);
+        for &accessor in primitive.attributes.values().chain(&primitive.indices) {
+            accessors.check_brought(accessor, extensions, path)?;
+        }
         let first = mesh.positions.len();
         let count = accessors.count(positions, &format!("{path}.attributes.POSITION"))?;
         self.totals.vertices = self.totals.vertices.saturating_add(count);
