@@ -368,6 +368,21 @@ pub const RULES: &[Rule] = &[
         "images[0] has the media type `image/ktx`, neither PNG nor JPEG",
     ),
     rule(
+        "a texture that is none, of a material of nothing",
+        "UNRESOLVED_REFERENCE",
+        |it| {
+            let odd = json!({"emissiveTexture": {"index": 77}});
+            it.push("materials", odd);
+        },
+        "a material is left out: expected materials[1].emissiveTexture",
+    ),
+    rule(
+        "a texture that is none, of a material of something",
+        "UNRESOLVED_REFERENCE",
+        |it| it.json["materials"][0]["emissiveTexture"] = json!({"index": 77}),
+        "x.gltf:1:1: expected materials[0].emissiveTexture",
+    ),
+    rule(
         "more metal than there is",
         "VALUE_NOT_IN_RANGE",
         |it| it.json["materials"][0]["pbrMetallicRoughness"]["metallicFactor"] = json!(2),

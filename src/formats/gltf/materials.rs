@@ -14,7 +14,7 @@
 use super::accessors::Accessors;
 use super::extensions::EMISSIVE_STRENGTH;
 use super::textures::{Named, Textures};
-use crate::formats::error::LoadError;
+use crate::formats::error::{FileFault, LoadError};
 use crate::formats::files::{Files, Gathered};
 use crate::formats::pictures::Alpha;
 use crate::limits::Limits;
@@ -26,6 +26,7 @@ use gltf_json::Index;
 use gltf_json::material::AlphaMode;
 use gltf_json::validation::Checked;
 use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// `F` of what is no metal.
 const DIELECTRIC: f32 = 0.04;
@@ -41,6 +42,8 @@ pub(super) struct Materials<'a> {
     sets: Vec<Option<u32>>,
     /// What a primitive without a material is made of.
     unnamed: Option<usize>,
+    /// Of materials that cannot be had, why. Only one that a primitive is made of has to be there.
+    left_out: BTreeMap<usize, FileFault>,
 }
 
 impl<'a> Materials<'a> {
@@ -56,12 +59,34 @@ impl<'a> Materials<'a> {
             textures: Textures::new(accessors, from, limits),
             sets: Vec::new(),
             unnamed: None,
+            left_out: BTreeMap::new(),
         };
         for (index, material) in accessors.root.materials.iter().enumerate() {
             let path = format!("materials[{index}]");
-            materials.add(material, &path, files, draft)?;
+            match materials.add(material, &path, files, draft) {
+                Ok(()) => {}
+                Err(LoadError::Invalid(fault)) => materials.leave_out(index, fault, draft),
+                Err(other) => return Err(other),
+            }
         }
         Ok(materials)
+    }
+
+    /// Something stands in its place, for primitives know materials by their number.
+    fn leave_out(&mut self, index: usize, fault: FileFault, draft: &mut Draft) {
+        let FileFault {
+            expected, found, ..
+        } = &fault;
+        let sentence = format!("a material is left out: expected {expected}, but found {found}");
+        let faults = self.textures.accessors.faults;
+        draft.warnings.push(|| faults.warning(&sentence));
+        draft.materials.push(Material::named(String::new()));
+        self.sets.push(None);
+        self.left_out.insert(index, fault);
+    }
+
+    pub fn is_left_out(&self, material: usize) -> bool {
+        self.left_out.contains_key(&material)
     }
 
     /// Where in the draft a primitive's material is.
@@ -84,7 +109,10 @@ impl<'a> Materials<'a> {
         let Accessors { faults, root, .. } = self.textures.accessors;
         let path = format!("{path}.material");
         faults.get(&root.materials, "materials", material, &path)?;
-        Ok(material.value())
+        match self.left_out.get(&material.value()) {
+            Some(fault) => Err(fault.clone().into()),
+            None => Ok(material.value()),
+        }
     }
 
     pub fn is_textured(&self, material: usize) -> bool {
