@@ -389,9 +389,12 @@ fn variants_that_are_not_as_they_should_be_are_left_out() {
         ),
         (
             json!({"mappings": [{"material": 1}]}),
-            "missing field `variants`",
+            "expected a member `variants`, but found none",
         ),
-        (json!({"mappings": 1}), "invalid type"),
+        (
+            json!({"mappings": 1}),
+            "expected a list, but found integer `1`",
+        ),
     ] {
         let mut gltf = dressed();
         gltf.json["meshes"][0]["primitives"][0]["extensions"]["KHR_materials_variants"] = bend;
@@ -634,7 +637,7 @@ fn numbers_of_lights_that_are_a_little_off_are_held_to_what_they_may_be() {
 fn lights_that_are_not_as_they_should_be_are_left_out() {
     for (light, told) in [
         (json!({"type": "area"}), "unknown variant `area`"),
-        (json!({}), "missing field `type`"),
+        (json!({}), "expected a member `type`, but found none"),
         (json!({"type": "point", "intensity": -1}), "its intensity"),
         (
             json!({"type": "spot", "spot": {"outerConeAngle": 0}}),

@@ -59,7 +59,8 @@ pub(super) fn read<'a>(
     let root: Root = serde_path_to_error::deserialize(&json).map_err(|error| {
         let path = error.path().to_string();
         let path = if path == "." { "it" } else { path.as_str() };
-        mistyped(faults, path, &plain(&error.inner().to_string()))
+        let (expected, found) = expected_and_found(&plain(&error.inner().to_string()));
+        faults.at(path, expected, found)
     })?;
     Ok(Container { root, json, binary })
 }
@@ -98,27 +99,31 @@ fn not_json(faults: Faults<'_>, text: &str, error: &serde_json::Error) -> FileFa
     }
 }
 
-/// A fault from a sentence of the deserializer's: `invalid type: string "a", expected u32`, ``missing field `count` ``.
-fn mistyped(faults: Faults<'_>, path: &str, sentence: &str) -> FileFault {
+/// What is wrong with a part of the JSON, from a sentence of the deserializer's.
+pub(super) fn problem(error: &serde_json::Error) -> String {
+    let (expected, found) = expected_and_found(&plain(&error.to_string()));
+    format!("expected {expected}, but found {found}")
+}
+
+/// Of a sentence such as `invalid type: string "a", expected u32` or ``missing field `count` ``.
+fn expected_and_found(sentence: &str) -> (String, String) {
     if let Some(field) = sentence.strip_prefix("missing field ") {
-        return faults.at(path, format!("a member {field}"), "none");
+        return (format!("a member {field}"), "none".to_owned());
     }
-    match sentence.split_once(", expected ") {
-        Some((found, expected)) => {
-            let found = found.trim_start_matches("invalid type: ");
-            let found = found.trim_start_matches("invalid value: ");
-            let found = match found.strip_prefix("invalid length ") {
-                Some(count) => format!("a list of {count}"),
-                None => match found {
-                    "map" => "an object".to_owned(),
-                    "sequence" => "a list".to_owned(),
-                    _ => found.to_owned(),
-                },
-            };
-            faults.at(path, in_words(expected), found)
-        }
-        None => faults.at(path, "what glTF 2.0 has there", sentence),
-    }
+    let Some((found, expected)) = sentence.rsplit_once(", expected ") else {
+        return ("what glTF 2.0 has there".to_owned(), sentence.to_owned());
+    };
+    let found = found.trim_start_matches("invalid type: ");
+    let found = found.trim_start_matches("invalid value: ");
+    let found = match found.strip_prefix("invalid length ") {
+        Some(count) => format!("a list of {count}"),
+        None => match found {
+            "map" => "an object".to_owned(),
+            "sequence" => "a list".to_owned(),
+            _ => found.to_owned(),
+        },
+    };
+    (in_words(expected), found)
 }
 
 /// What the deserializer expects, in the words of JSON and not of its types.
@@ -136,7 +141,7 @@ fn in_words(expected: &str) -> String {
 }
 
 /// A sentence of a parser's, on one line and not endless: it may quote the file.
-pub(super) fn plain(sentence: &str) -> String {
+fn plain(sentence: &str) -> String {
     const MOST: usize = 200;
     sentence
         .chars()

@@ -1,7 +1,7 @@
 //! Lights of the scene (KHR_lights_punctual), which a picture is lit by where its request asks for them. A light that is not as it should be
 //! is left out with a warning: no file is refused for it. Never lives here: where nodes stand.
 
-use super::container::plain;
+use super::container;
 use super::extensions::LIGHTS;
 use super::fault::Faults;
 use super::nodes::{Nodes, Place};
@@ -200,7 +200,7 @@ fn described(
     warnings: &mut Warnings,
 ) -> Option<Described> {
     let path = format!("extensions.{LIGHTS}.lights[{index}]");
-    let read = Described::deserialize(light).map_err(|error| plain(&error.to_string()));
+    let read = Described::deserialize(light).map_err(|error| container::problem(&error));
     let checked = read.and_then(|light| match light.problem() {
         Some(problem) => Err(problem.to_owned()),
         None => Ok(light),
