@@ -171,6 +171,54 @@ fn every_missing_extension_is_named() {
 }
 
 #[test]
+fn what_an_extension_brings_that_is_not_read_is_a_fault() {
+    fn bare(gltf: &mut Gltf) {
+        let accessors = gltf.json["accessors"].as_array_mut().expect("a list");
+        for accessor in accessors {
+            accessor
+                .as_object_mut()
+                .expect("an object")
+                .remove("bufferView");
+        }
+    }
+    let [draco, meshopt] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
+    type Bring = fn(&mut Gltf, Value);
+    let cases: [(&str, Bring); 4] = [
+        (draco, |gltf, extension| {
+            bare(gltf);
+            gltf.json["meshes"][0]["primitives"][0]["extensions"] = extension;
+        }),
+        (meshopt, |gltf, extension| {
+            bare(gltf);
+            gltf.json["accessors"][0]["extensions"] = extension;
+        }),
+        (meshopt, |gltf, extension| {
+            gltf.json["buffers"] =
+                json!([{"byteLength": gltf.bytes.len(), "extensions": extension}]);
+        }),
+        (meshopt, |gltf, extension| {
+            gltf.json["buffers"] = json!([{"byteLength": gltf.bytes.len()}]);
+            let views = gltf.json["bufferViews"].as_array_mut().expect("a list");
+            for view in views {
+                view["extensions"] = extension.clone();
+            }
+        }),
+    ];
+    for (place, (name, by)) in cases.into_iter().enumerate() {
+        let mut gltf = wall();
+        by(&mut gltf, json!({ name: {"bufferView": 0} }));
+        let params = json!({"name": "brought", "files": gltf.files()});
+        let error = ask(&SERVICE, "rig.load", params).expect_err("nothing is there");
+        let told = format!("the extension `{name}` instead");
+        assert!(error.message.contains(&told), "{place}: {}", error.message);
+    }
+    // Where the file has it all beside the extension, nothing is missing.
+    let mut gltf = wall();
+    gltf.json["meshes"][0]["primitives"][0]["extensions"] = json!({ draco: {"bufferView": 0} });
+    load(&SERVICE, "beside", &gltf);
+}
+
+#[test]
 fn a_file_that_requires_lights_loads() {
     let file = include_str!("cases/gltf/lights_required.gltf");
     let files = json!([{"name": "lights_required.gltf", "text": file}]);
@@ -210,11 +258,16 @@ fn emission_is_as_strong_as_the_file_says() {
         (json!(1e30), 1.0, 0),
         (json!(-1), 0.1, 1),
         (json!("bright"), 0.1, 1),
+        (Value::Null, 0.1, 1),
     ] {
+        let extension = match &strength {
+            Value::Null => json!(3),
+            _ => json!({ "emissiveStrength": strength }),
+        };
         let mut gltf = wall();
         gltf.json["materials"][0] = json!({
             "emissiveFactor": [0.1, 0.1, 0.1],
-            "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": strength}},
+            "extensions": {"KHR_materials_emissive_strength": extension},
         });
         let rig = format!("glowing {strength}");
         assert_eq!(load(&SERVICE, &rig, &gltf).len(), warning_count, "{rig}");
@@ -336,9 +389,12 @@ fn variants_that_are_not_as_they_should_be_are_left_out() {
         ),
         (
             json!({"mappings": [{"material": 1}]}),
-            "missing field `variants`",
+            "expected a member `variants`, but found none",
         ),
-        (json!({"mappings": 1}), "invalid type"),
+        (
+            json!({"mappings": 1}),
+            "expected a list, but found integer `1`",
+        ),
     ] {
         let mut gltf = dressed();
         gltf.json["meshes"][0]["primitives"][0]["extensions"]["KHR_materials_variants"] = bend;
@@ -549,15 +605,43 @@ fn a_light_rides_on_the_nearest_joint_above_it() {
 }
 
 #[test]
+fn numbers_of_lights_that_are_a_little_off_are_held_to_what_they_may_be() {
+    let spot = |inner: f64, outer: f64| json!({"type": "spot", "spot": {"innerConeAngle": inner, "outerConeAngle": outer}});
+    for (light, told) in [
+        (
+            json!({"type": "point", "color": [1, 1, 2]}),
+            "its color is held",
+        ),
+        // π/2 of float32.
+        (
+            spot(0.5, f64::from(std::f32::consts::FRAC_PI_2)),
+            "its outer angle is held to π/2",
+        ),
+        (spot(0.5, 1.6), "its outer angle is held to π/2"),
+        (spot(-0.5, 0.5), "its inner angle is held"),
+        (spot(0.5, 0.5), "its inner angle is held"),
+        (spot(1.0, 0.5), "its inner angle is held"),
+    ] {
+        let rig = format!("held light {light}");
+        let warnings = load(&SERVICE, &rig, &lit(light));
+        assert!(
+            warnings.len() == 1 && warnings[0].contains(told),
+            "{warnings:?}"
+        );
+        assert_eq!(describe(&rig)["lights"].as_array().map(Vec::len), Some(1));
+        seen(&rig, json!({"lights": "file"}));
+    }
+}
+
+#[test]
 fn lights_that_are_not_as_they_should_be_are_left_out() {
     for (light, told) in [
         (json!({"type": "area"}), "unknown variant `area`"),
-        (json!({}), "missing field `type`"),
-        (json!({"type": "point", "color": [1, 1, 2]}), "its color"),
+        (json!({}), "expected a member `type`, but found none"),
         (json!({"type": "point", "intensity": -1}), "its intensity"),
         (
-            json!({"type": "spot", "spot": {"innerConeAngle": 1, "outerConeAngle": 0.5}}),
-            "the angles of its cone",
+            json!({"type": "spot", "spot": {"outerConeAngle": 0}}),
+            "its cone",
         ),
     ] {
         let rig = format!("bad light {told}");

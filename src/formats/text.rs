@@ -68,7 +68,7 @@ fn decode_mixed(file: &str, bytes: &[u8], warnings: &mut Warnings) -> String {
 }
 
 /// What stands before a run of NUL bytes and separators that ends the file, and how many NUL bytes it has.
-fn without_nuls_at_end(bytes: &[u8]) -> (&[u8], usize) {
+pub(super) fn without_nuls_at_end(bytes: &[u8]) -> (&[u8], usize) {
     let last = bytes.iter().rposition(|&byte| byte > b' ');
     let (_, tail) = bytes.split_at(last.map_or(0, |last| last + 1));
     let nuls = tail.iter().filter(|&&byte| byte == 0).count();

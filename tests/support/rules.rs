@@ -368,6 +368,21 @@ pub const RULES: &[Rule] = &[
         "images[0] has the media type `image/ktx`, neither PNG nor JPEG",
     ),
     rule(
+        "a texture that is none, of a material of nothing",
+        "UNRESOLVED_REFERENCE",
+        |it| {
+            let odd = json!({"emissiveTexture": {"index": 77}});
+            it.push("materials", odd);
+        },
+        "a material is left out: expected materials[1].emissiveTexture",
+    ),
+    rule(
+        "a texture that is none, of a material of something",
+        "UNRESOLVED_REFERENCE",
+        |it| it.json["materials"][0]["emissiveTexture"] = json!({"index": 77}),
+        "x.gltf:1:1: expected materials[0].emissiveTexture",
+    ),
+    rule(
         "more metal than there is",
         "VALUE_NOT_IN_RANGE",
         |it| it.json["materials"][0]["pbrMetallicRoughness"]["metallicFactor"] = json!(2),
@@ -401,6 +416,52 @@ pub const RULES: &[Rule] = &[
         "a version to come",
         |it| it.json["asset"] = json!({"version": "2.1", "minVersion": "2.1"}),
         "asset.minVersion is `2.1`",
+    ),
+    rule(
+        "a version to come that old readers know enough of",
+        "UNKNOWN_ASSET_MAJOR_VERSION",
+        |it| it.json["asset"] = json!({"version": "3.0", "minVersion": "2.0"}),
+        "asset.version is `3.0`",
+    ),
+    valid(
+        "a mode of opacity of nobody",
+        |it| it.json["materials"][0]["alphaMode"] = json!("GLASS"),
+        "materials[0].alphaMode is `\"GLASS\"`, which is not known; OPAQUE is taken",
+    ),
+    valid(
+        "an interpolation of nobody",
+        |it| animation(it)["samplers"][0]["interpolation"] = json!("BEZIER"),
+        "samplers[0].interpolation is `\"BEZIER\"`, which is not known; LINEAR is taken",
+    ),
+    valid(
+        "a target of nobody",
+        |it| animation(it)["channels"][0]["target"]["path"] = json!("color"),
+        "channels[0].target.path is `\"color\"`, which is not known; the channel is left out",
+    ),
+    valid(
+        "a wrapping of nobody",
+        |it| it.json["samplers"] = json!([{"wrapS": 7}]),
+        "samplers[0].wrapS is `7`, which is not known; it repeats",
+    ),
+    valid(
+        "a filter of nobody",
+        |it| it.json["samplers"] = json!([{"magFilter": 7}]),
+        "samplers[0].magFilter is `7`, which is not known; filters are not read",
+    ),
+    valid(
+        "more bytes than a data URI's buffer has",
+        |it| {
+            it.bytes.push(0);
+            let uri = it.data_uri();
+            it.json["buffers"] = json!([{"byteLength": it.bytes.len() - 1, "uri": uri}]);
+        },
+        "bytes, but a byteLength of",
+    ),
+    rule(
+        "a member of nothing",
+        "TYPE_MISMATCH",
+        |it| it.json["nodes"][1]["camera"] = Value::Null,
+        "the member nodes[1].camera is null and passed over",
     ),
     valid(
         "integers with a point",

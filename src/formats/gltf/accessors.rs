@@ -2,11 +2,13 @@
 //! Never lives here: what the numbers are for.
 
 use super::buffers::Buffers;
+use super::extensions;
 use super::fault::Faults;
 use crate::formats::error::LoadError;
 use gltf_json::accessor::{Accessor, ComponentType, GenericComponentType, Type};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
+use serde_json::{Map, Value};
 use std::cell::Cell;
 
 /// Reads accessors of one document.
@@ -150,6 +152,25 @@ impl<'a> Accessors<'a> {
         Ok((integers, place.width))
     }
 
+    /// An accessor of no bytes is zeros, but where one of these extensions may bring what it has.
+    pub fn check_brought(
+        &self,
+        index: Index<Accessor>,
+        extensions: Option<&Map<String, Value>>,
+        path: &str,
+    ) -> Result<(), LoadError> {
+        let accessor = self.accessor(index, path)?;
+        let is_zeros = accessor.buffer_view.is_none() && accessor.sparse.is_none();
+        match extensions.and_then(extensions::bringing) {
+            Some(name) if is_zeros => {
+                let path = format!("{path} -> accessors[{}]", index.value());
+                let found = extensions::instead(name);
+                Err(self.faults.load(&path, "a `bufferView`", found))
+            }
+            _ => Ok(()),
+        }
+    }
+
     fn place(
         &self,
         index: Index<Accessor>,
@@ -194,7 +215,11 @@ impl<'a> Accessors<'a> {
         self.left.set(left);
         let size = element_size(kind, component);
         let base = match accessor.buffer_view {
-            None => None,
+            None => {
+                let extensions = accessor.extensions.as_ref().map(|it| &it.others);
+                self.check_brought(index, extensions, path)?;
+                None
+            }
             Some(view) => {
                 let offset = accessor.byte_offset.unwrap_or_default().0;
                 let view_path = format!("{own}.bufferView");

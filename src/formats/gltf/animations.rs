@@ -14,6 +14,7 @@ use gltf_json::Animation;
 use gltf_json::accessor::ComponentType::{F32, I8, I16, U8, U16};
 use gltf_json::accessor::Type;
 use gltf_json::animation::{Channel, Interpolation as InFile, Property};
+use gltf_json::validation::Checked;
 use std::collections::HashMap;
 
 const TIMES: Wanted = Wanted {
@@ -85,9 +86,9 @@ impl AnimationReader<'_> {
             let node_path = format!("{path}.target.node");
             let of_file = faults.get(&self.accessors.root.nodes, "nodes", node, &node_path)?;
             let node = node.value();
-            let paths = "translation, rotation, scale or weights";
-            let property =
-                faults.valid(channel.target.path, &format!("{path}.target.path"), paths)?;
+            let Checked::Valid(property) = channel.target.path else {
+                continue;
+            };
             let mut warn = |sentence: &str| {
                 warnings.push(|| faults.warning(&format!("{path} {sentence}")));
             };
@@ -195,12 +196,10 @@ impl AnimationReader<'_> {
             channel.sampler,
             &format!("{path}.sampler"),
         )?;
-        let words = "LINEAR, STEP or CUBICSPLINE";
-        let interpolation_path = format!("{sampler_path}.interpolation");
-        let interpolation = match faults.valid(sampler.interpolation, &interpolation_path, words)? {
-            InFile::Step => Interpolation::Step,
-            InFile::Linear => Interpolation::Linear,
-            InFile::CubicSpline => Interpolation::Cubic,
+        let interpolation = match sampler.interpolation {
+            Checked::Valid(InFile::Step) => Interpolation::Step,
+            Checked::Valid(InFile::Linear) | Checked::Invalid => Interpolation::Linear,
+            Checked::Valid(InFile::CubicSpline) => Interpolation::Cubic,
         };
         let input = format!("{sampler_path}.input");
         self.limits

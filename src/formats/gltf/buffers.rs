@@ -2,6 +2,7 @@
 //! Never lives here: what the bytes mean.
 
 use super::container::Container;
+use super::extensions;
 use super::fault::Faults;
 use crate::formats::error::{FileFault, LoadError, quoted};
 use crate::formats::files::{Files, Gathered};
@@ -100,7 +101,12 @@ impl<'a> Buffers<'a> {
             &format!("{path}.buffer"),
         )?;
         let there = &self.buffers[view.buffer.value()];
-        let there = there.as_ref().map_err(FileFault::clone)?;
+        let extensions = view.extensions.as_ref();
+        let brought = extensions.and_then(|it| extensions::bringing(&it.others));
+        let there = there.as_ref().map_err(|fault| match brought {
+            Some(name) => faults.at(&path, "a buffer that is there", extensions::instead(name)),
+            None => fault.clone(),
+        })?;
         let USize64(most) = buffer.byte_length;
         let (start, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
         let end = start.checked_add(length).filter(|&end| end <= most);
@@ -148,11 +154,12 @@ fn bytes_of<'a>(
         }
         None => {
             let missing = || {
-                faults.load(
-                    path,
-                    "a `uri`, or a binary chunk",
-                    "neither, so there is nothing to draw from it",
-                )
+                let extensions = buffer.extensions.as_ref();
+                let found = match extensions.and_then(|it| extensions::bringing(&it.others)) {
+                    Some(name) => extensions::instead(name),
+                    None => "neither, so there is nothing to draw from it".to_owned(),
+                };
+                faults.load(path, "a `uri`, or a binary chunk", found)
             };
             Bytes::Here(binary.ok_or_else(missing)?)
         }
@@ -161,6 +168,18 @@ fn bytes_of<'a>(
     if length > bytes.len() as u64 {
         let expected = format!("{length} bytes");
         return Err(faults.load(path, expected, bytes.len().to_string()));
+    }
+    // The binary chunk is padded; a file may hold more than one buffer.
+    let most = match &buffer.uri {
+        None => Some(length.saturating_add(3)),
+        Some(uri) => data_of(uri).map(|_| length),
+    };
+    if most.is_some_and(|most| bytes.len() as u64 > most) {
+        let there = bytes.len();
+        warnings.push(|| {
+            let sentence = format!("{path} has {there} bytes, but a byteLength of {length}");
+            faults.warning(&sentence)
+        });
     }
     Ok(bytes)
 }
@@ -193,10 +212,10 @@ pub(super) fn open(
             .split_once(',')
             .ok_or_else(|| found("no comma in it"))?;
         let bytes = percent_decoded(text).ok_or_else(|| found("a `%` without two digits"))?;
-        let is_base64 = head
-            .rsplit(';')
-            .next()
-            .is_some_and(|it| it.eq_ignore_ascii_case("base64"));
+        let head = percent_decoded(head).ok_or_else(|| found("a `%` without two digits"))?;
+        // Not every file has it last and without blanks.
+        let mut words = head.split(|&byte| byte == b';');
+        let is_base64 = words.any(|it| it.trim_ascii().eq_ignore_ascii_case(b"base64"));
         if !is_base64 {
             return Ok(bytes.into_owned().into());
         }

@@ -4,7 +4,7 @@ use super::extensions;
 use super::fault::Faults;
 use super::rules;
 use crate::formats::error::{FileFault, LoadError, quoted};
-use crate::formats::text::{UTF8_BOM, without_bom};
+use crate::formats::text::{UTF8_BOM, without_bom, without_nuls_at_end};
 use crate::limits::Limits;
 use crate::rig::Warnings;
 use gltf_json::Root;
@@ -37,6 +37,11 @@ pub(super) fn read<'a>(
         warnings.push(|| faults.warning("the JSON opens with a byte order mark"));
     }
     let json = without_bom(json);
+    let (json, nul_count) = without_nuls_at_end(json);
+    if nul_count > 0 {
+        let sentence = format!("{nul_count} NUL bytes after the JSON are passed over");
+        warnings.push(|| faults.warning(&sentence));
+    }
     limits.document_bytes(json.len())?;
     let mut json: Value = match std::str::from_utf8(json) {
         Ok(text) => serde_json::from_str(text).map_err(|error| not_json(faults, text, &error))?,
@@ -49,12 +54,13 @@ pub(super) fn read<'a>(
     extensions::check(faults, &json, warnings)?;
     check_lists(faults, &json, limits)?;
     settle_numbers(&mut json, "");
-    rules::warn_of_empty_lists(faults, &json, warnings);
+    rules::warn_of_nothing(faults, &json, warnings);
     forgive(&mut json);
     let root: Root = serde_path_to_error::deserialize(&json).map_err(|error| {
         let path = error.path().to_string();
         let path = if path == "." { "it" } else { path.as_str() };
-        mistyped(faults, path, &plain(&error.inner().to_string()))
+        let (expected, found) = expected_and_found(&plain(&error.inner().to_string()));
+        faults.at(path, expected, found)
     })?;
     Ok(Container { root, json, binary })
 }
@@ -93,22 +99,49 @@ fn not_json(faults: Faults<'_>, text: &str, error: &serde_json::Error) -> FileFa
     }
 }
 
-/// A fault from a sentence of the deserializer's: `invalid type: string "a", expected u32`, ``missing field `count` ``.
-fn mistyped(faults: Faults<'_>, path: &str, sentence: &str) -> FileFault {
+/// What is wrong with a part of the JSON, from a sentence of the deserializer's.
+pub(super) fn problem(error: &serde_json::Error) -> String {
+    let (expected, found) = expected_and_found(&plain(&error.to_string()));
+    format!("expected {expected}, but found {found}")
+}
+
+/// Of a sentence such as `invalid type: string "a", expected u32` or ``missing field `count` ``.
+fn expected_and_found(sentence: &str) -> (String, String) {
     if let Some(field) = sentence.strip_prefix("missing field ") {
-        return faults.at(path, format!("a member {field}"), "none");
+        return (format!("a member {field}"), "none".to_owned());
     }
-    match sentence.split_once(", expected ") {
-        Some((found, expected)) => {
-            let found = found.trim_start_matches("invalid type: ");
-            faults.at(path, expected, found.trim_start_matches("invalid value: "))
-        }
-        None => faults.at(path, "what glTF 2.0 has there", sentence),
-    }
+    let Some((found, expected)) = sentence.rsplit_once(", expected ") else {
+        return ("what glTF 2.0 has there".to_owned(), sentence.to_owned());
+    };
+    let found = found.trim_start_matches("invalid type: ");
+    let found = found.trim_start_matches("invalid value: ");
+    let found = match found.strip_prefix("invalid length ") {
+        Some(count) => format!("a list of {count}"),
+        None => match found {
+            "map" => "an object".to_owned(),
+            "sequence" => "a list".to_owned(),
+            _ => found.to_owned(),
+        },
+    };
+    (in_words(expected), found)
+}
+
+/// What the deserializer expects, in the words of JSON and not of its types.
+fn in_words(expected: &str) -> String {
+    let words = match expected {
+        "a map" => "an object",
+        "a sequence" => "a list",
+        "index into child of root" => "an index",
+        "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number from 0",
+        "f32" | "f64" => "a number",
+        _ if expected.starts_with("struct ") => "an object",
+        _ => expected,
+    };
+    words.replace("an array of length", "a list of")
 }
 
 /// A sentence of a parser's, on one line and not endless: it may quote the file.
-pub(super) fn plain(sentence: &str) -> String {
+fn plain(sentence: &str) -> String {
     const MOST: usize = 200;
     sentence
         .chars()
@@ -205,27 +238,30 @@ fn check_version(
     warnings: &mut Warnings,
 ) -> Result<(), FileFault> {
     let asset = &json["asset"];
-    // `minVersion` is what a reader must know; without it the version is.
-    let member = match &asset["minVersion"] {
-        Value::Null => "version",
-        _ => "minVersion",
-    };
-    let path = format!("asset.{member}");
-    let found = match &asset[member] {
-        Value::String(version) if version.split('.').next() == Some("2") => {
-            if version != "2.0" {
-                let sentence = format!(
-                    "{path} is {}; what differs from 2.0 is not read",
-                    quoted(version)
-                );
-                warnings.push(|| faults.warning(&sentence));
+    let mut check = |member: &str, is_allowed: fn(u32) -> bool| {
+        let path = format!("asset.{member}");
+        let major = |version: &str| version.split('.').next()?.parse::<u32>().ok();
+        let found = match &asset[member] {
+            Value::String(version) if major(version).is_some_and(is_allowed) => {
+                if version != "2.0" {
+                    let version = quoted(version);
+                    let sentence =
+                        format!("{path} is {version}; what differs from 2.0 is not read");
+                    warnings.push(|| faults.warning(&sentence));
+                }
+                return Ok(());
             }
-            return Ok(());
-        }
-        Value::Null => "none".to_owned(),
-        other => quoted(&other.to_string()),
+            Value::Null => "none".to_owned(),
+            other => quoted(&other.to_string()),
+        };
+        Err(faults.at(&path, "glTF version 2.0", found))
     };
-    Err(faults.at(&path, "glTF version 2.0", found))
+    // `minVersion` is what a reader must know; without it the version is.
+    if asset["minVersion"].is_null() {
+        return check("version", |major| major == 2);
+    }
+    check("version", |major| major >= 2)?;
+    check("minVersion", |major| major == 2)
 }
 
 /// What a channel without a target moves. No index of the file comes to it, see [`settle_numbers`].

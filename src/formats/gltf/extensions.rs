@@ -3,7 +3,7 @@
 use super::fault::Faults;
 use crate::formats::error::{FileFault, quoted};
 use crate::rig::Warnings;
-use serde_json::Value;
+use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 
 /// Extensions that are read where they say something that can be shown.
@@ -106,6 +106,23 @@ fn missing_looks(name: &str) -> Option<&'static str> {
     known.or_else(family).map(|(_, missing)| *missing)
 }
 
+/// Among the extensions of an object, one that is not read and may be more than looks: what the object lacks it may bring.
+pub(super) fn bringing(extensions: &Map<String, Value>) -> Option<&str> {
+    let names = extensions.keys().map(String::as_str);
+    let mut names = names.filter(|name| is_missing(name));
+    names.next()
+}
+
+/// What is found where only such an extension says more.
+pub(super) fn instead(name: &str) -> String {
+    format!("the extension {} instead, which is not read", quoted(name))
+}
+
+/// Whether it is neither read nor a matter of looks alone.
+fn is_missing(name: &str) -> bool {
+    !READ.contains(&name) && missing_looks(name).is_none()
+}
+
 /// # Errors
 /// Where extensions are required that are neither read nor a matter of looks alone. The fault names them all.
 pub(super) fn check(
@@ -118,8 +135,8 @@ pub(super) fn check(
         names.filter_map(Value::as_str)
     };
     let mut known: BTreeSet<&str> = READ.iter().copied().collect();
-    let is_missing = |name: &&str| !READ.contains(name) && missing_looks(name).is_none();
-    let missing: BTreeSet<&str> = names("extensionsRequired").filter(is_missing).collect();
+    let required = names("extensionsRequired");
+    let missing: BTreeSet<&str> = required.filter(|name| is_missing(name)).collect();
     if !missing.is_empty() {
         let read = READ.join(", ");
         let expected = format!("extensions that are read ({read}) or change looks alone");

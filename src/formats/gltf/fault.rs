@@ -68,13 +68,14 @@ impl Faults<'_> {
     ) -> Result<T, FileFault> {
         match value {
             Checked::Valid(value) => Ok(value),
-            Checked::Invalid => {
-                let found = self.json.and_then(|json| member(json, path));
-                let found =
-                    found.map_or_else(|| "another".to_owned(), |it| quoted(&it.to_string()));
-                Err(self.at(path, expected, found))
-            }
+            Checked::Invalid => Err(self.at(path, expected, self.found(path))),
         }
+    }
+
+    /// What stands at a path.
+    pub fn found(self, path: &str) -> String {
+        let found = self.json.and_then(|json| member(json, path));
+        found.map_or_else(|| "another".to_owned(), |it| quoted(&it.to_string()))
     }
 
     /// What a file calls something; one that is too long is cut. Names come again in every description of a rig, and in messages.

@@ -1,7 +1,7 @@
 //! Lights of the scene (KHR_lights_punctual), which a picture is lit by where its request asks for them. A light that is not as it should be
 //! is left out with a warning: no file is refused for it. Never lives here: where nodes stand.
 
-use super::container::plain;
+use super::container;
 use super::extensions::LIGHTS;
 use super::fault::Faults;
 use super::nodes::{Nodes, Place};
@@ -152,22 +152,41 @@ impl Described {
         }
     }
 
-    /// What is wrong with it.
-    fn problem(&self) -> Option<&'static str> {
+    /// Holds its numbers to what they may be, where that is near what the file has; and says which.
+    fn hold(&mut self) -> Vec<&'static str> {
+        let mut held = Vec::new();
+        let mut set = |number: &mut f64, to: f64, what| {
+            if *number != to {
+                *number = to;
+                held.push(what);
+            }
+        };
         let Cone {
             inner_cone_angle: inner,
             outer_cone_angle: outer,
-        } = self.spot;
-        if !self
-            .color
-            .iter()
-            .all(|channel| (0.0..=1.0).contains(channel))
-        {
-            Some("its color is not made of numbers from 0 to 1")
-        } else if !(0.0..=FileLight::MOST_INTENSITY).contains(&self.intensity) {
+        } = &mut self.spot;
+        // Of float32, π/2 is above π/2.
+        set(outer, outer.min(FRAC_PI_2), "outer angle is held to π/2");
+        let most = outer.next_down();
+        let within = inner.clamp(0.0, most);
+        set(
+            inner,
+            within,
+            "inner angle is held between 0 and the outer one",
+        );
+        let color = self.color.map(|channel| channel.clamp(0.0, 1.0));
+        if std::mem::replace(&mut self.color, color) != color {
+            held.push("color is held to numbers from 0 to 1");
+        }
+        held
+    }
+
+    /// What is wrong with it.
+    fn problem(&self) -> Option<&'static str> {
+        if !(0.0..=FileLight::MOST_INTENSITY).contains(&self.intensity) {
             Some("its intensity is no number from 0 to 1e12")
-        } else if !(0.0 <= inner && inner < outer && outer <= FRAC_PI_2) {
-            Some("the angles of its cone do not rise from 0 to π/2")
+        } else if self.spot.outer_cone_angle <= 0.0 {
+            Some("its cone has an outer angle that is not above 0")
         } else {
             None
         }
@@ -180,15 +199,20 @@ fn described(
     light: &Value,
     warnings: &mut Warnings,
 ) -> Option<Described> {
-    let read = Described::deserialize(light).map_err(|error| plain(&error.to_string()));
+    let path = format!("extensions.{LIGHTS}.lights[{index}]");
+    let read = Described::deserialize(light).map_err(|error| container::problem(&error));
     let checked = read.and_then(|light| match light.problem() {
         Some(problem) => Err(problem.to_owned()),
         None => Ok(light),
     });
     match checked {
-        Ok(light) => Some(light),
+        Ok(mut light) => {
+            for held in light.hold() {
+                warnings.push(|| faults.warning(&format!("{path}: its {held}")));
+            }
+            Some(light)
+        }
         Err(problem) => {
-            let path = format!("extensions.{LIGHTS}.lights[{index}]");
             warnings.push(|| faults.warning(&format!("{path} is left out: {problem}")));
             None
         }

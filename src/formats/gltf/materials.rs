@@ -14,7 +14,7 @@
 use super::accessors::Accessors;
 use super::extensions::EMISSIVE_STRENGTH;
 use super::textures::{Named, Textures};
-use crate::formats::error::LoadError;
+use crate::formats::error::{FileFault, LoadError};
 use crate::formats::files::{Files, Gathered};
 use crate::formats::pictures::Alpha;
 use crate::limits::Limits;
@@ -24,7 +24,9 @@ use crate::rig::{
 use glam::{Vec3, Vec4};
 use gltf_json::Index;
 use gltf_json::material::AlphaMode;
+use gltf_json::validation::Checked;
 use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// `F` of what is no metal.
 const DIELECTRIC: f32 = 0.04;
@@ -40,6 +42,8 @@ pub(super) struct Materials<'a> {
     sets: Vec<Option<u32>>,
     /// What a primitive without a material is made of.
     unnamed: Option<usize>,
+    /// Of materials that cannot be had, why. Only one that a primitive is made of has to be there.
+    left_out: BTreeMap<usize, FileFault>,
 }
 
 impl<'a> Materials<'a> {
@@ -55,12 +59,34 @@ impl<'a> Materials<'a> {
             textures: Textures::new(accessors, from, limits),
             sets: Vec::new(),
             unnamed: None,
+            left_out: BTreeMap::new(),
         };
         for (index, material) in accessors.root.materials.iter().enumerate() {
             let path = format!("materials[{index}]");
-            materials.add(material, &path, files, draft)?;
+            match materials.add(material, &path, files, draft) {
+                Ok(()) => {}
+                Err(LoadError::Invalid(fault)) => materials.leave_out(index, fault, draft),
+                Err(other) => return Err(other),
+            }
         }
         Ok(materials)
+    }
+
+    /// Something stands in its place, for primitives know materials by their number.
+    fn leave_out(&mut self, index: usize, fault: FileFault, draft: &mut Draft) {
+        let FileFault {
+            expected, found, ..
+        } = &fault;
+        let sentence = format!("a material is left out: expected {expected}, but found {found}");
+        let faults = self.textures.accessors.faults;
+        draft.warnings.push(|| faults.warning(&sentence));
+        draft.materials.push(Material::named(String::new()));
+        self.sets.push(None);
+        self.left_out.insert(index, fault);
+    }
+
+    pub fn is_left_out(&self, material: usize) -> bool {
+        self.left_out.contains_key(&material)
     }
 
     /// Where in the draft a primitive's material is.
@@ -83,7 +109,10 @@ impl<'a> Materials<'a> {
         let Accessors { faults, root, .. } = self.textures.accessors;
         let path = format!("{path}.material");
         faults.get(&root.materials, "materials", material, &path)?;
-        Ok(material.value())
+        match self.left_out.get(&material.value()) {
+            Some(fault) => Err(fault.clone().into()),
+            None => Ok(material.value()),
+        }
     }
 
     pub fn is_textured(&self, material: usize) -> bool {
@@ -103,13 +132,11 @@ impl<'a> Materials<'a> {
         draft: &mut Draft,
     ) -> Result<(), LoadError> {
         let faults = self.textures.accessors.faults;
-        let modes = "OPAQUE, MASK or BLEND";
-        let mode = faults.valid(material.alpha_mode, &format!("{path}.alphaMode"), modes)?;
         let cutoff = material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
-        let opacity = match mode {
-            AlphaMode::Opaque => Opacity::Opaque,
-            AlphaMode::Mask => Opacity::Mask(cutoff),
-            AlphaMode::Blend => Opacity::Blend,
+        let opacity = match material.alpha_mode {
+            Checked::Valid(AlphaMode::Opaque) | Checked::Invalid => Opacity::Opaque,
+            Checked::Valid(AlphaMode::Mask) => Opacity::Mask(cutoff),
+            Checked::Valid(AlphaMode::Blend) => Opacity::Blend,
         };
         let alpha = match opacity {
             Opacity::Opaque => Alpha::Drop,
@@ -236,9 +263,11 @@ impl<'a> Materials<'a> {
         let Some(extension) = extensions.and_then(|it| it.others.get(EMISSIVE_STRENGTH)) else {
             return 1.0;
         };
-        let strength = extension
-            .get("emissiveStrength")
-            .map_or(Some(1.0), Value::as_f64);
+        let members = extension.as_object();
+        let strength = members.and_then(|it| {
+            let strength = it.get("emissiveStrength");
+            strength.map_or(Some(1.0), Value::as_f64)
+        });
         match strength.filter(|strength| *strength >= 0.0) {
             // More would be infinite where the factor is a small number.
             Some(strength) => strength.min(f64::from(MOST_EMISSIVE)) as f32,

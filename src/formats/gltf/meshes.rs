@@ -159,6 +159,10 @@ impl MeshReader<'_, '_> {
             self.draft.warnings.push(warning);
             return Ok(());
         };
+        let extensions = primitive.extensions.as_ref().map(|it| &it.others);
+        for &accessor in primitive.attributes.values().chain(&primitive.indices) {
+            accessors.check_brought(accessor, extensions, path)?;
+        }
         let first = mesh.positions.len();
         let count = accessors.count(positions, &format!("{path}.attributes.POSITION"))?;
         self.totals.vertices = self.totals.vertices.saturating_add(count);
@@ -203,8 +207,9 @@ impl MeshReader<'_, '_> {
     ) -> usize {
         let Accessors { faults, root, .. } = self.accessors;
         let warnings = &mut self.draft.warnings;
-        let chosen = self.variants.of_primitive(primitive, path, root, warnings);
         let materials = &*self.materials;
+        let mut chosen = self.variants.of_primitive(primitive, path, root, warnings);
+        chosen.retain(|(_, material)| !materials.is_left_out(*material));
         let all = chosen.iter().map(|(_, material)| *material);
         let mut all = std::iter::once(material).chain(all);
         let textured = all.find(|&material| materials.is_textured(material));

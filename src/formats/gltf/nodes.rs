@@ -279,8 +279,9 @@ fn mattering(
     // A light that an animation moves needs something to be moved by.
     for channel in root.animations.iter().flat_map(|it| &it.channels) {
         let node = channel.target.node.value();
-        let is_weights = channel.target.path == Checked::Valid(Property::MorphTargetWeights);
-        if !is_weights && is_lit.get(node) == Some(&true) {
+        let moves =
+            matches!(channel.target.path, Checked::Valid(it) if it != Property::MorphTargetWeights);
+        if moves && is_lit.get(node) == Some(&true) {
             matters[node] = true;
         }
     }

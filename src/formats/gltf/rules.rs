@@ -14,46 +14,57 @@ use gltf_json::{Index, Root};
 use serde_json::Value;
 use std::collections::BTreeSet;
 
-/// Lists without items, which have to be left out: one warning for all, since exporters that write one write many.
-pub(super) fn warn_of_empty_lists(faults: Faults<'_>, json: &Value, warnings: &mut Warnings) {
-    fn is_nested(value: &Value) -> bool {
-        value.is_array() || value.is_object()
-    }
-    /// `found`: the path of the first, and how many there are.
-    fn walk(value: &Value, path: &str, found: &mut (String, usize)) {
-        match value {
-            Value::Array(items) if items.is_empty() => {
-                if found.1 == 0 {
-                    path.clone_into(&mut found.0);
-                }
-                found.1 += 1;
+/// Lists without items and members that are `null`, both of which have to be left out: one warning for all of a kind, since exporters that
+/// write one write many.
+pub(super) fn warn_of_nothing(faults: Faults<'_>, json: &Value, warnings: &mut Warnings) {
+    /// The path of the first, and how many there are.
+    #[derive(Default)]
+    struct Found(String, usize);
+    impl Found {
+        fn add(&mut self, path: impl FnOnce() -> String) {
+            if self.1 == 0 {
+                self.0 = path();
             }
+            self.1 += 1;
+        }
+        fn warn(self, what: &str, is: &str, faults: Faults<'_>, warnings: &mut Warnings) {
+            let Self(first, count) = self;
+            let more = match count {
+                0 => return,
+                1 => String::new(),
+                _ => format!(", as are {} more", count - 1),
+            };
+            warnings.push(|| faults.warning(&format!("{what} {first} is {is}{more}")));
+        }
+    }
+    fn walk(value: &Value, path: &str, empty: &mut Found, null: &mut Found) {
+        match value {
+            Value::Array(items) if items.is_empty() => empty.add(|| path.to_owned()),
             Value::Array(items) => {
+                let is_nested = |item: &Value| item.is_array() || item.is_object();
                 for (index, item) in items.iter().enumerate().filter(|(_, it)| is_nested(it)) {
-                    walk(item, &format!("{path}[{index}]"), found);
+                    walk(item, &format!("{path}[{index}]"), empty, null);
                 }
             }
             Value::Object(members) => {
-                let is_read = |name: &str| !matches!(name, "extras" | "extensions");
-                let members = members.iter();
-                for (name, member) in members.filter(|(name, it)| is_nested(it) && is_read(name)) {
-                    let dot = if path.is_empty() { "" } else { "." };
-                    walk(member, &format!("{path}{dot}{name}"), found);
+                let dot = if path.is_empty() { "" } else { "." };
+                for (name, member) in members {
+                    let path = || format!("{path}{dot}{name}");
+                    match member {
+                        _ if matches!(name.as_str(), "extras" | "extensions") => {}
+                        Value::Null => null.add(path),
+                        Value::Array(_) | Value::Object(_) => walk(member, &path(), empty, null),
+                        Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
+                    }
                 }
             }
             Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
         }
     }
-    let mut found = (String::new(), 0);
-    walk(json, "", &mut found);
-    let (first, count) = found;
-    if count > 0 {
-        let more = match count {
-            1 => String::new(),
-            _ => format!(", as are {} more", count - 1),
-        };
-        warnings.push(|| faults.warning(&format!("the list {first} is empty{more}")));
-    }
+    let (mut empty, mut null) = (Found::default(), Found::default());
+    walk(json, "", &mut empty, &mut null);
+    empty.warn("the list", "empty", faults, warnings);
+    null.warn("the member", "null and passed over", faults, warnings);
 }
 
 /// Checks what the readers did not have to.
@@ -70,6 +81,7 @@ pub(super) fn warn(faults: Faults<'_>, root: &Root, nodes: &Nodes, warnings: &mu
     rules.primitives();
     rules.nodes(nodes);
     rules.skins(nodes);
+    rules.animations();
     rules.textures();
     rules.materials();
 }
@@ -378,6 +390,31 @@ impl Rules<'_> {
         }
     }
 
+    /// Where a word or a number is none of those that are known. What is read in its place stands behind.
+    fn check_known<T>(&mut self, value: &Checked<T>, path: impl FnOnce() -> String, instead: &str) {
+        if matches!(value, Checked::Invalid) {
+            let faults = self.faults;
+            self.warn(|| {
+                let path = path();
+                let found = faults.found(&path);
+                format!("{path} is {found}, which is not known; {instead}")
+            });
+        }
+    }
+
+    fn animations(&mut self) {
+        for (index, animation) in self.root.animations.iter().enumerate() {
+            for (place, channel) in animation.channels.iter().enumerate() {
+                let path = || format!("animations[{index}].channels[{place}].target.path");
+                self.check_known(&channel.target.path, path, "the channel is left out");
+            }
+            for (place, sampler) in animation.samplers.iter().enumerate() {
+                let path = || format!("animations[{index}].samplers[{place}].interpolation");
+                self.check_known(&sampler.interpolation, path, "LINEAR is taken");
+            }
+        }
+    }
+
     fn textures(&mut self) {
         let root = self.root;
         for (index, texture) in root.textures.iter().enumerate() {
@@ -388,12 +425,16 @@ impl Rules<'_> {
             self.check_index(&root.images, source, || path() + ".source");
         }
         for (index, sampler) in root.samplers.iter().enumerate() {
-            for (member, mode) in [("wrapS", sampler.wrap_s), ("wrapT", sampler.wrap_t)] {
-                if matches!(mode, Checked::Invalid) {
-                    self.warn(|| {
-                        format!("samplers[{index}].{member} is no known mode; it repeats")
-                    });
-                }
+            let path = |member: &str| format!("samplers[{index}].{member}");
+            for (member, mode) in [("wrapS", &sampler.wrap_s), ("wrapT", &sampler.wrap_t)] {
+                self.check_known(mode, || path(member), "it repeats");
+            }
+            let unread = "filters are not read";
+            if let Some(filter) = &sampler.mag_filter {
+                self.check_known(filter, || path("magFilter"), unread);
+            }
+            if let Some(filter) = &sampler.min_filter {
+                self.check_known(filter, || path("minFilter"), unread);
             }
         }
         for (index, image) in root.images.iter().enumerate() {
@@ -423,6 +464,8 @@ impl Rules<'_> {
 
     fn materials(&mut self) {
         for (index, material) in self.root.materials.iter().enumerate() {
+            let path = || format!("materials[{index}].alphaMode");
+            self.check_known(&material.alpha_mode, path, "OPAQUE is taken");
             let rough = &material.pbr_metallic_roughness;
             let factors = [
                 (
