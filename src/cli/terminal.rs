@@ -25,10 +25,10 @@ pub(super) fn print(line: &str) -> anyhow::Result<()> {
     print_to_reader(line).map(|_| ())
 }
 
-/// As [`print`]; whether anybody still reads.
+/// As [`print()`]; whether anybody still reads.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub(super) fn print_to_reader(line: &str) -> anyhow::Result<bool> {
     let written = stdout().write_all(format!("{line}\n").as_bytes());
     is_read(written.and_then(|()| flush()))
