@@ -304,9 +304,7 @@ fn points_and_lines_are_left_out_and_warned_of() {
 }
 
 fn case(name: &str) -> Value {
-    let path = format!("{}/tests/cases/gltf/{name}", env!("CARGO_MANIFEST_DIR"));
-    let content = std::fs::read(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
-    json!([with_base64(name, &content)])
+    json!([support::case(&format!("gltf/{name}"))])
 }
 
 /// One triangle, whatever else the file has.

@@ -205,19 +205,20 @@ impl<'a> Reader<'a> {
             let word = self.statements.next_value();
             position[axis] = self.number_at(word, keyword)?;
         }
-        let mut surplus = Vec::with_capacity(SURPLUS);
+        let mut surplus = [keyword; SURPLUS];
+        let mut count = 0;
         let word = loop {
             let word = self.statements.next_value();
-            if word.ends_line() || surplus.len() == SURPLUS {
+            if word.ends_line() || count == SURPLUS {
                 break word;
             }
-            surplus.push(word);
+            surplus[count] = word;
+            count += 1;
         };
         self.positions.push(position);
-        match surplus[..] {
+        match surplus[..count] {
             [r, g, b, ..] => {
-                let color = [r, g, b].map(|word| self.channel_at(word, keyword));
-                let [r, g, b] = color;
+                let [r, g, b] = [r, g, b].map(|word| self.channel_at(word, keyword));
                 self.colors.resize(self.positions.len() - 1, Vec4::ONE);
                 self.colors.push(Vec3::new(r?, g?, b?).extend(1.0));
             }
