@@ -300,7 +300,7 @@ impl Client {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::protocol::blob::{ArrayTransport, Blob, Numbers};
+    use crate::protocol::blob::{ArrayTransport, Blob, Dtype};
     use crate::protocol::{Attachments, Fault, MissingRig, Request, error_line, result_line};
     use serde_json::json;
     use std::net::TcpListener;
@@ -371,9 +371,10 @@ mod tests {
     fn raw_bytes_go_both_ways() {
         let (mut client, _server) = client_of(|request, attached| {
             let mut attachments = Attachments::default();
-            let floats = attached.iter().map(|byte| f32::from(*byte)).collect();
+            let floats = attached.iter().map(|byte| f32::from(*byte).to_le_bytes());
             let blob = Blob::array(
-                Numbers::Float32(floats),
+                Dtype::Float32,
+                floats.collect::<Vec<_>>().into_flattened().into(),
                 &[attached.len()],
                 ArrayTransport::Attach,
                 &mut attachments,

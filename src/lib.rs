@@ -26,7 +26,8 @@
 //! | crate | rooms |
 //! |---|---|
 //! | `wgpu` `pollster` | [`render::gpu`] |
-//! | `bytemuck` | [`render::gpu`] [`render`] [`rig`] [`pose`] [`protocol`] |
+//! | `bytemuck` | [`render::gpu`] [`render`] [`rig`] [`pose`] [`frame`] [`service`] |
+//! | `bytes` | [`protocol`] [`service`] [`server`] [`client`] [`cli`] |
 //! | `png` `gif` `color_quant` | [`encode`] |
 //! | `rayon` | [`engine`] [`render::cpu`] |
 //! | `fearless_simd` | [`render::cpu`] |

@@ -5,14 +5,15 @@ use super::{RendererArgs, builtin};
 use crate::engine::{AdapterChoice, Engine, LoadedRig, RendererChoice};
 use crate::formats::Source;
 use crate::limits::Limits;
-use crate::protocol::{Id, Outgoing, Reply};
-use crate::service::{Conversation, Message, Pending, Service};
+use crate::protocol::{ErrorObject, Id};
+use crate::service::{Request, ResponseHandle, Service, Session};
 use anyhow::Context;
+use bytes::Bytes;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde_json::value::to_raw_value;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
-use std::time::Instant;
 
 impl RendererArgs {
     pub(super) fn threads(&self) -> Option<NonZeroUsize> {
@@ -56,46 +57,39 @@ pub(super) fn load(
     Ok(loaded)
 }
 
-/// Asks a service of this process; raw bytes that come with the reply are given beside it.
+/// Asks a service of this process; raw bytes that come with the response are given beside it.
 pub(super) fn ask<P: Serialize, R: DeserializeOwned>(
     service: &Arc<Service>,
     method: &str,
     params: &P,
-) -> anyhow::Result<(R, Vec<u8>)> {
-    read(begin(&mut service.converse(), method, params)?)
+) -> anyhow::Result<(R, Bytes)> {
+    read(begin(&mut service.session(), method, params)?)
 }
 
-/// Asks without waiting; several requests of one conversation may be on their way.
+/// Asks without waiting; several requests of one session may be on their way.
 pub(super) fn begin<P: Serialize>(
-    conversation: &mut Conversation,
+    session: &mut Session,
     method: &str,
     params: &P,
-) -> anyhow::Result<Pending> {
-    let request = Outgoing {
-        id: Some(&Id::Null),
-        method,
-        params,
-        deadline_ms: None,
-        attach_bytes: 0,
-    };
-    let message = Message::read(&request.line()?, Instant::now());
-    conversation
-        .begin(message, Vec::new())
-        .context("a request with an id is answered")
+) -> anyhow::Result<ResponseHandle> {
+    let response = session.begin(Request {
+        id: Some(Id::Null),
+        method: method.to_owned(),
+        params: Some(to_raw_value(params)?),
+        deadline: None,
+        attached: Bytes::new(),
+    });
+    response.context("a request with an id is answered")
 }
 
 /// Waits for what was asked.
-pub(super) fn read<R: DeserializeOwned>(pending: Pending) -> anyhow::Result<(R, Vec<u8>)> {
-    let mut reply = pending.wait();
-    let result = Reply::parse(&reply.line)?.outcome?;
-    let attached = match reply.attachments.as_mut_slice() {
+pub(super) fn read<R: DeserializeOwned>(handle: ResponseHandle) -> anyhow::Result<(R, Bytes)> {
+    let mut response = handle.wait();
+    let result = response.outcome.map_err(ErrorObject::from)?;
+    let attached = match response.attachments.as_mut_slice() {
         // The usual case, without a copy.
-        [only] => std::mem::take(only).into_bytes(),
-        parts => parts
-            .iter()
-            .flat_map(|part| part.bytes())
-            .copied()
-            .collect(),
+        [only] => std::mem::take(only),
+        parts => parts.concat().into(),
     };
-    Ok((serde_json::from_str(result.get())?, attached))
+    Ok((serde_json::from_str(&result)?, attached))
 }

@@ -3,15 +3,17 @@
 mod admission;
 mod error;
 mod extents;
+mod ordered;
 mod pool;
 mod recent;
 mod store;
 mod worker;
 
 pub use crate::render::{AdapterChoice, AdapterInfo, AdapterKind, Backend};
-pub use admission::{Admission, AttachedBytes, HeldBytes, Share, Ticket};
+pub use admission::{Admission, AttachmentPermit, ConnectionQuota, MemoryPermit, Ticket};
 pub use error::EngineError;
 pub use extents::Extents;
+pub use ordered::{Ordered, Place, Work};
 pub use store::{LoadedRig, RigRef};
 pub use worker::{Timings, Urgency};
 

@@ -136,7 +136,7 @@ pub fn result_line<R: Serialize + ?Sized>(
         jsonrpc: "2.0",
         id,
         result,
-        attach_bytes: (attachments.total() > 0).then(|| attachments.total()),
+        attach_bytes: (attachments.total_bytes() > 0).then(|| attachments.total_bytes()),
     })
 }
 
@@ -154,7 +154,7 @@ pub fn notification_line<P: Serialize + ?Sized>(
         method,
         params,
         deadline_ms: None,
-        attach_bytes: attachments.total(),
+        attach_bytes: attachments.total_bytes(),
     };
     outgoing.line()
 }

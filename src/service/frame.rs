@@ -1,21 +1,23 @@
-//! `frame.render` and `frame.batch`.
+//! `frame.render`, and how any picture is prepared, drawn and packed. Never lives here: many pictures at a time.
 
-use super::answer::Answer;
-use super::batch::{Course, Items};
-use super::scene::of_skinning;
-use super::{Call, describe, file_lights};
+use super::call::Call;
+use super::pose::of_pose;
+use super::prepared_pose::{EvaluatedPose, PreparedPose};
+use super::response::{Payload, Permit, Responder};
+use super::scene::skinning;
+use super::file_lights;
 use crate::encode::{self, Compression};
 use crate::engine::{RigRef, Terms};
 use crate::frame::Frame;
-use crate::pose::{Clamped, Posed};
-use crate::protocol::batch::{FrameBatch, FrameBatchParams, FrameChange, FrameReady};
+use crate::pose::Skinning;
 use crate::protocol::blob::{Blob, Picture, PictureTransport};
 use crate::protocol::camera::{Lights, NamedLights};
 use crate::protocol::frame as wire;
-use crate::protocol::{Attachments, Fault, Id};
+use crate::protocol::pose::Clamped;
+use crate::protocol::{Attachments, Fault, FieldFault};
 use crate::scene::{Camera, Scene, Size};
+use bytes::Bytes;
 use glam::DMat4;
-use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
@@ -23,196 +25,193 @@ use std::time::Instant;
 /// Bytes that a pixel takes at the most on its way out: bare, and again as base64.
 const BYTES_PER_PIXEL: u64 = 10;
 
+/// Bytes that a picture of so many pixels takes until it is written.
+pub(super) fn bytes_of_picture(pixels: u64) -> u64 {
+    BYTES_PER_PIXEL * pixels
+}
+
 impl Call {
-    pub(super) fn render(
+    pub fn render(
         &self,
-        params: wire::FrameParams,
-        answer: &mut Option<Answer>,
-    ) -> Result<(), Fault> {
-        let found = self.engine().rig(&params.rig)?;
-        let subject = self.subject(&params, &found)?;
-        let (held, terms) = self.take_on(bytes_of(&subject.scene))?;
-        let Some(answer) = answer.take() else {
-            return Ok(());
-        };
-        self.draw(&params, &found, subject, terms, move |done| match done {
-            Ok(done) => {
-                let mut attachments = Attachments::default();
-                let frame = done.sent(&mut attachments);
-                answer.send(&frame, attachments, Some(held));
-            }
-            Err(fault) => answer.fail(fault),
-        });
-        Ok(())
-    }
-
-    pub(super) fn render_batch(
-        &self,
-        params: FrameBatchParams,
-        answer: &mut Option<Answer>,
-    ) -> Result<(), Fault> {
-        let limits = self.engine().limits();
-        limits.batch_items(params.frames.len())?;
-        let request_bytes = params.frames.len() * size_of::<FrameChange>() + self.attached.len();
-        // As they are now, whatever is loaded or set while the batch is drawn.
-        let mut rigs = BTreeMap::new();
-        rigs.insert(params.rig.clone(), self.engine().rig(&params.rig)?);
-        for (index, change) in params.frames.iter().enumerate() {
-            if let Some(name) = change.rig.as_ref().filter(|name| !rigs.contains_key(*name)) {
-                let found = self.engine().rig(name);
-                let found = found.map_err(|error| Fault::from(error).within(&place(index)))?;
-                rigs.insert(name.clone(), found);
-            }
-        }
-        let items = FrameItems {
-            call: self.clone(),
-            params,
-            rigs,
-        };
-        if items.count() == 0 {
-            items.check(&FrameChange::default())?;
-        }
-        let (mut item_bytes, mut least_bytes) = (0, 0);
-        for index in 0..items.count() {
-            self.urgency.check()?;
-            let bytes = items.check_at(index)?;
-            item_bytes = item_bytes.max(bytes.most);
-            least_bytes += bytes.least;
-        }
-        let course = Course {
-            streams: items.params.stream,
-            item_bytes,
-            least_bytes,
-            request_bytes: request_bytes as u64,
-        };
-        self.run_batch(items, &course, answer)
-    }
-
-    fn subject(&self, params: &wire::FrameParams, found: &RigRef) -> Result<Subject, Fault> {
-        let mut scene = self.scene(params, &found.loaded)?;
-        let (posed, clamped) = self.posed(&params.pose, found)?;
-        if let Some(Lights::Named(NamedLights::File)) = params.lights {
-            scene.lights = file_lights::in_pose(&posed);
-        }
-        Ok(Subject {
-            scene,
-            posed,
-            clamped,
+        mut params: wire::FrameParams,
+    ) -> Result<impl FnOnce(Responder) + use<>, Fault> {
+        let rig = Arc::new(self.engine().rig(&params.rig)?);
+        let scene = self.scene(&params, &rig.loaded)?;
+        let pose = self.prepare_pose(std::mem::take(&mut params.pose), &rig)?;
+        let frame = PreparedFrame::new(&params, rig, Arc::new(pose), scene);
+        let (memory, terms) = self.admit(bytes_of_picture(frame.scene.size.pixels() as u64))?;
+        let pose = frame.evaluate().map_err(of_pose)?;
+        let call = self.clone();
+        Ok(move |responder: Responder| {
+            call.draw(frame, pose, terms, move |packed| {
+                responder.respond(packed.and_then(|packed| {
+                    let mut attachments = Attachments::default();
+                    let frame = packed.sent(&mut attachments);
+                    Payload::new(&frame, attachments, Some(Permit::new(memory)))
+                }));
+            });
         })
     }
 
-    /// Draws and packs a picture. `done` runs once.
-    fn draw(
+    /// Draws a picture and packs it. `pose` is the one that it has asked for. `done` runs once.
+    pub fn draw(
         &self,
-        params: &wire::FrameParams,
-        found: &RigRef,
-        subject: Subject,
+        frame: PreparedFrame,
+        pose: EvaluatedPose,
         terms: Terms,
-        done: impl FnOnce(Result<Done, Fault>) + Send + 'static,
+        done: impl FnOnce(Result<PackedFrame, Fault>) + Send + 'static,
     ) {
-        let Subject {
-            scene,
-            posed,
-            clamped,
-        } = subject;
+        let PreparedFrame {
+            rig,
+            skinning,
+            mut scene,
+            lights_of_file,
+            packing,
+            ..
+        } = frame;
+        let EvaluatedPose { posed, clamped } = pose;
+        if lights_of_file {
+            scene.lights = file_lights::in_pose(&posed);
+        }
         let vertices = posed.rig().vertex_count() as u64;
-        let head = Head {
+        let caption = Caption {
             camera: described(&scene.camera),
-            digest: found.loaded.digest.clone(),
-            clamped: describe::clamped(posed.rig(), &clamped),
-            transport: params.transport,
+            digest: rig.loaded.digest.clone(),
+            clamped,
         };
-        let (image, compression) = (params.image, of_compression(params.compression));
         let stats = Arc::clone(&self.service.stats);
-        self.engine().render(
-            &found.loaded,
-            posed,
-            of_skinning(params.skinning),
-            scene,
-            terms,
-            move |result| {
-                done(result.map_err(Fault::from).and_then(|(frame, timings)| {
-                    let started = Instant::now();
-                    let picture = packed(frame, image, compression)?;
-                    let timings = stats.rendered(1, vertices, timings, started.elapsed());
-                    Ok(Done {
-                        head,
-                        picture,
-                        timings,
-                    })
-                }));
-            },
-        );
+        let pack = move |(frame, timings)| {
+            let started = Instant::now();
+            let picture = packed(frame, packing)?;
+            Ok(PackedFrame {
+                caption,
+                picture,
+                transport: packing.transport,
+                timings: stats.rendered(1, vertices, timings, started.elapsed()),
+            })
+        };
+        let engine = self.engine();
+        engine.render(&rig.loaded, posed, skinning, scene, terms, move |drawn| {
+            done(drawn.map_err(Fault::from).and_then(pack));
+        });
     }
 }
 
-/// What is to be drawn.
-struct Subject {
-    scene: Scene,
-    posed: Arc<Posed>,
-    clamped: Vec<Clamped>,
+/// A picture to be drawn, in plain types: everything is checked that can be told before its pose is worked out.
+pub(super) struct PreparedFrame {
+    pub rig: Arc<RigRef>,
+    pub pose: Arc<PreparedPose>,
+    pub skinning: Skinning,
+    pub scene: Scene,
+    /// Whether the lights are those of the rig's file, which depend on the pose.
+    pub lights_of_file: bool,
+    pub packing: Packing,
 }
 
-fn bytes_of(scene: &Scene) -> u64 {
-    BYTES_PER_PIXEL * scene.size.pixels() as u64
+/// How a picture is packed.
+#[derive(Clone, Copy)]
+pub(super) struct Packing {
+    pub image: wire::ImageFormat,
+    pub compression: Compression,
+    pub transport: PictureTransport,
+}
+
+impl PreparedFrame {
+    /// The pose of `params` is passed over.
+    pub fn new(
+        params: &wire::FrameParams,
+        rig: Arc<RigRef>,
+        pose: Arc<PreparedPose>,
+        scene: Scene,
+    ) -> Self {
+        Self {
+            rig,
+            pose,
+            skinning: skinning(params.skinning),
+            scene,
+            lights_of_file: matches!(params.lights, Some(Lights::Named(NamedLights::File))),
+            packing: Packing {
+                image: params.image,
+                compression: compression(params.compression),
+                transport: params.transport,
+            },
+        }
+    }
+
+    /// Works the pose out. A fault is as seen from the pose.
+    pub fn evaluate(&self) -> Result<EvaluatedPose, FieldFault> {
+        self.pose.evaluate(&self.rig)
+    }
+
+    /// Bytes as it is written, as far as they are known before it is drawn.
+    pub fn least_bytes(&self) -> u64 {
+        let pixels = self.scene.size.pixels() as u64;
+        match self.packing.image {
+            wire::ImageFormat::Rgba8 => written_bytes(4 * pixels, self.packing.transport),
+            // Of a plain color next to nothing is left.
+            wire::ImageFormat::Png => 0,
+        }
+    }
 }
 
 /// What a frame's reply says beside the picture.
-struct Head {
+struct Caption {
     camera: wire::FrameCamera,
     digest: String,
-    clamped: Vec<crate::protocol::pose::Clamped>,
-    transport: PictureTransport,
+    clamped: Vec<Clamped>,
 }
 
-/// A picture, packed.
-struct Done {
-    head: Head,
+/// A picture, ready to be sent.
+pub(super) struct PackedFrame {
+    caption: Caption,
     picture: Picture,
+    transport: PictureTransport,
     timings: wire::Timings,
 }
 
-impl Done {
+impl PackedFrame {
     /// Its bytes go into `attachments` where they are to be attached.
-    fn sent(self, attachments: &mut Attachments) -> wire::Frame {
+    pub fn sent(self, attachments: &mut Attachments) -> wire::Frame {
         let Self {
-            head,
+            caption,
             picture,
+            transport,
             timings,
         } = self;
         let [width, height] = picture.size();
-        let color = Blob::picture(picture, head.transport, attachments);
+        let color = Blob::picture(picture, transport, attachments);
         wire::Frame {
             width,
             height,
             images: BTreeMap::from([("color".to_owned(), color)]),
-            camera: head.camera,
-            rig: head.digest,
+            camera: caption.camera,
+            rig: caption.digest,
             renderer: wire::Renderer {
                 name: env!("CARGO_PKG_NAME").to_owned(),
                 version: env!("CARGO_PKG_VERSION").to_owned(),
             },
-            clamped: head.clamped,
+            clamped: caption.clamped,
             timings_ms: timings,
         }
     }
+
+    /// As it is written.
+    pub fn written_bytes(&self) -> u64 {
+        written_bytes(self.picture.bytes() as u64, self.transport)
+    }
 }
 
-fn packed(
-    frame: Frame,
-    image: wire::ImageFormat,
-    compression: Compression,
-) -> Result<Picture, Fault> {
+fn packed(frame: Frame, packing: Packing) -> Result<Picture, Fault> {
     let Size { width, height } = frame.size;
-    let file = match image {
+    let file = match packing.image {
         wire::ImageFormat::Rgba8 => {
             return Ok(Picture::Rgba8 {
                 width,
                 height,
-                pixels: frame.pixels.into_vec(),
+                pixels: Bytes::from_owner(frame.pixels),
             });
         }
-        wire::ImageFormat::Png => encode::png(&frame, compression),
+        wire::ImageFormat::Png => encode::png(&frame, packing.compression),
     };
     let file = file.map_err(|error| Fault::Internal {
         message: error.to_string(),
@@ -220,110 +219,11 @@ fn packed(
     Ok(Picture::Png {
         width,
         height,
-        file,
+        file: file.into(),
     })
 }
 
-/// The pictures of a batch.
-struct FrameItems {
-    call: Call,
-    params: FrameBatchParams,
-    /// By the names that the request uses.
-    rigs: BTreeMap<String, RigRef>,
-}
-
-impl FrameItems {
-    /// Whether a picture can be asked for like this, and what it takes.
-    fn check(&self, change: &FrameChange) -> Result<ItemBytes, Fault> {
-        let params = change.over(&self.params);
-        let found = &self.rigs[&params.rig];
-        let scene = self.call.scene(&params, &found.loaded)?;
-        self.call.check_pose(&params.pose, found)?;
-        let least = match params.image {
-            wire::ImageFormat::Rgba8 => written(4 * scene.size.pixels() as u64, params.transport),
-            // Of a plain color next to nothing is left.
-            wire::ImageFormat::Png => 0,
-        };
-        Ok(ItemBytes {
-            most: bytes_of(&scene),
-            least,
-        })
-    }
-
-    fn check_at(&self, index: usize) -> Result<ItemBytes, Fault> {
-        let checked = self.check(&self.params.frames[index]);
-        checked.map_err(|fault| self.located(index, fault))
-    }
-
-    /// A fault that the common part has by itself is its own; else it is told by the picture.
-    fn located(&self, index: usize, fault: Fault) -> Fault {
-        match self.check(&FrameChange::default()) {
-            Err(of_common) if of_common == fault => fault,
-            _ => fault.within(&place(index)),
-        }
-    }
-}
-
-fn place(index: usize) -> String {
-    format!("frames[{index}]")
-}
-
-/// What a picture of a batch takes.
-struct ItemBytes {
-    /// Until it is written.
-    most: u64,
-    /// As it is written, as far as is known before it is drawn.
-    least: u64,
-}
-
-impl Items for FrameItems {
-    type Done = Done;
-    type Sent = wire::Frame;
-    const READY: &'static str = "frame.ready";
-
-    fn count(&self) -> usize {
-        self.params.frames.len()
-    }
-
-    fn begin(
-        &self,
-        index: usize,
-        terms: Terms,
-        done: impl FnOnce(Result<Done, Fault>) + Send + 'static,
-    ) {
-        let params = self.params.frames[index].over(&self.params);
-        let found = &self.rigs[&params.rig];
-        match self.call.subject(&params, found) {
-            Ok(subject) => self.call.draw(&params, found, subject, terms, done),
-            Err(fault) => done(Err(self.located(index, fault))),
-        }
-    }
-
-    fn bytes(done: &Done) -> u64 {
-        written(done.picture.bytes() as u64, done.head.transport)
-    }
-
-    fn sent(done: Done, attachments: &mut Attachments) -> wire::Frame {
-        done.sent(attachments)
-    }
-
-    fn ready(request: &Id, index: usize, frame: wire::Frame) -> impl Serialize {
-        FrameReady {
-            request: request.clone(),
-            index: index as u64,
-            frame,
-        }
-    }
-
-    fn result(&self, frames: Option<Vec<wire::Frame>>) -> impl Serialize {
-        FrameBatch {
-            frame_count: self.count() as u64,
-            frames,
-        }
-    }
-}
-
-fn written(bytes: u64, transport: PictureTransport) -> u64 {
+fn written_bytes(bytes: u64, transport: PictureTransport) -> u64 {
     match transport {
         PictureTransport::Attach => bytes,
         // Themselves, and as text.
@@ -331,7 +231,7 @@ fn written(bytes: u64, transport: PictureTransport) -> u64 {
     }
 }
 
-fn of_compression(compression: wire::Compression) -> Compression {
+fn compression(compression: wire::Compression) -> Compression {
     match compression {
         wire::Compression::Fast => Compression::Fast,
         wire::Compression::Default => Compression::Default,

@@ -101,7 +101,7 @@ fn draw(
     mut clamps: Clamps,
     warnings: &mut Warnings,
 ) -> anyhow::Result<Option<String>> {
-    let mut conversation = service.converse();
+    let mut session = service.session();
     let mut to_ask = 0..shots.count();
     let mut asked = VecDeque::with_capacity(IN_FLIGHT);
     let progress = progress(shots.count());
@@ -119,7 +119,7 @@ fn draw(
             && let Some(index) = to_ask.next()
         {
             let request = shots.request(index);
-            asked.push_back(local::begin(&mut conversation, "frame.render", &request)?);
+            asked.push_back(local::begin(&mut session, "frame.render", &request)?);
         }
         let Some(next) = asked.pop_front() else { break };
         let (frame, attached) = local::read::<wire::Frame>(next)?;
