@@ -1,6 +1,6 @@
 //! An axis-aligned box.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// Smallest and largest corner, in world space; `min <= max` on every axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,6 +25,25 @@ impl Bounds {
                 max: point,
             })
             .reduce(|a, b| a.and(&b))
+    }
+
+    /// Of vertices, three numbers each. `None` where there are none.
+    pub fn of_positions(positions: &[f32]) -> Option<Self> {
+        // Four at a time, which the compiler makes vectors of.
+        let (fours, rest) = positions.as_chunks::<12>();
+        let (mut least, mut most) = ([f32::INFINITY; 12], [f32::NEG_INFINITY; 12]);
+        for four in fours {
+            for lane in 0..12 {
+                least[lane] = least[lane].min(four[lane]);
+                most[lane] = most[lane].max(four[lane]);
+            }
+        }
+        let min = points(&least).chain(points(rest)).reduce(Vec3::min)?;
+        let max = points(&most).chain(points(rest)).reduce(Vec3::max)?;
+        (min.x <= max.x).then(|| Self {
+            min: min.as_dvec3(),
+            max: max.as_dvec3(),
+        })
     }
 
     /// Of what either has.
@@ -65,4 +84,9 @@ impl Bounds {
             radius => radius,
         }
     }
+}
+
+fn points(numbers: &[f32]) -> impl Iterator<Item = Vec3> {
+    let points = numbers.as_chunks().0.iter();
+    points.map(|point| Vec3::from_array(*point))
 }

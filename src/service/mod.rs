@@ -4,19 +4,23 @@
 //! [`dispatch`] has the table of methods. Each family of methods has its file: from wire types to plain ones, one call to the engine, and
 //! back.
 
+mod arrays;
 mod batch;
 mod call;
 mod describe;
 mod dispatch;
+mod dof_row;
 mod fault;
 mod file_lights;
 mod frame;
+mod frame_batch;
 mod in_flight;
 mod mesh;
 mod mesh_batch;
 mod names;
 mod pick;
 mod pose;
+mod prepared_pose;
 mod response;
 mod rig;
 mod scene;
@@ -24,6 +28,7 @@ mod server;
 mod session;
 mod state;
 mod stats;
+mod vertices;
 
 pub use describe::describe_files;
 pub use response::{Message, Notification, Permit, Response, ResponseHandle};

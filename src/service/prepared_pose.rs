@@ -145,13 +145,11 @@ fn checked(row: DofRow, rig: &Rig) -> Result<DofRow, FieldFault> {
         let problem = format!("expected {wanted} values, one for each DOF, but found {found}");
         return Err(FieldFault::new(FieldPath::default(), problem));
     }
-    match row.values().position(|value| !value.is_finite()) {
-        Some(index) => {
-            let path = FieldPath::default().index(index);
-            Err(FieldFault::new(path, "expected a finite number"))
-        }
-        None => Ok(row),
+    if let Some(index) = row.values().position(|value| !value.is_finite()) {
+        let path = FieldPath::default().index(index);
+        return Err(FieldFault::new(path, "expected a finite number"));
     }
+    Ok(row)
 }
 
 pub(super) fn limit_policy(limits: wire::LimitPolicy) -> LimitPolicy {

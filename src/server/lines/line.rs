@@ -2,7 +2,7 @@
 //! Never lives here: reading from a socket.
 
 use crate::limits::{LimitExceeded, Limits};
-use crate::protocol::{self, BadRequest, Fault, Id};
+use crate::protocol::{self, BadRequest, Fault, FieldFault, Id};
 use crate::service::{Request, ResponseHandle, Session};
 use bytes::Bytes;
 use std::time::{Duration, Instant};
@@ -37,11 +37,11 @@ impl Line {
         match read.read {
             // They come behind the line's end.
             Ok(protocol::Request { attach_bytes, .. }) if attach_bytes > 0 => {
-                let path = "attach_bytes";
-                Some(read.refused(Fault::InvalidRequest {
-                    message: format!("{path}: expected {attach_bytes} raw bytes behind the line, but found neither its end nor any"),
-                    path: Some(path.to_owned()),
-                }))
+                let problem = format!(
+                    "expected {attach_bytes} raw bytes behind the line, but found neither its end nor any"
+                );
+                let fault = FieldFault::new("attach_bytes", problem);
+                Some(read.refused(Fault::InvalidMember(fault)))
             }
             _ => Some(read),
         }
