@@ -5,10 +5,10 @@
 //!
 //! | room | may name | what lives there |
 //! |---|---|---|
-//! | [`cli`] | [`server`] [`service`] [`engine`] [`client`] [`protocol`] [`formats`] [`encode`] [`frame`] [`scene`] [`limits`] | `serve`, `render`, `inspect`, `call`, `doctor`, `openrpc` |
+//! | [`cli`] | [`server`] [`service`] [`engine`] [`client`] [`protocol`] [`formats`] [`encode`] [`frame`] [`scene`] [`spelling`] [`limits`] | `serve`, `render`, `inspect`, `call`, `doctor`, `openrpc` |
 //! | [`server`] | [`service`] [`limits`] | listener, connections, bounded lines, shutdown; knows no method |
 //! | [`client`] | [`protocol`] | a typed blocking client |
-//! | [`service`] | [`protocol`] [`engine`] [`rig`] [`formats`] [`scene`] [`pose`] [`pick`] [`frame`] [`encode`] [`limits`] | a line in, a line out; one file for each family of methods |
+//! | [`service`] | [`protocol`] [`engine`] [`rig`] [`formats`] [`scene`] [`pose`] [`pick`] [`frame`] [`encode`] [`spelling`] [`limits`] | a line in, a line out; one file for each family of methods |
 //! | [`engine`] | [`rig`] [`formats`] [`pose`] [`pick`] [`scene`] [`frame`] [`render`] [`limits`] | the use-cases in plain types; the store of rigs; whoever draws: the thread that owns the device, or the pool |
 //! | [`render`] | [`rig`] [`pose`] [`scene`] [`frame`] [`limits`] | a plan and two renderers of it, [`render::gpu`] and [`render::cpu`], which never name each other |
 //! | [`encode`] | [`frame`] [`scene`] | from frames to PNG, animated PNG and GIF |

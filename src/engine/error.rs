@@ -4,7 +4,6 @@ use crate::formats::LoadError;
 use crate::limits::LimitExceeded;
 use crate::pose::{OutsideLimits, PoseOutOfRange};
 use crate::render::{AdapterError, RenderError};
-use crate::scene::{SceneError, SizeError};
 
 #[derive(Debug, thiserror::Error)]
 pub enum EngineError {
@@ -23,14 +22,7 @@ pub enum EngineError {
     #[error("{queue_depth} requests are in hand already; try again soon")]
     Busy { queue_depth: u64 },
     #[error(transparent)]
-    OutsideLimits(#[from] OutsideLimits),
-    #[error(transparent)]
-    PoseOutOfRange(#[from] PoseOutOfRange),
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// A name or number in a pose or query that the rig has no use for.
-    #[error("{problem}")]
-    NoSuchPart { field: String, problem: String },
+    Pose(#[from] PoseError),
     #[error("the graphics device was lost: {reason}")]
     DeviceLost { reason: String },
     #[error(transparent)]
@@ -45,13 +37,13 @@ pub enum EngineError {
     Internal { reason: String },
 }
 
-impl From<SizeError> for EngineError {
-    fn from(error: SizeError) -> Self {
-        match error {
-            SizeError::Scene(error) => Self::Scene(error),
-            SizeError::Limit(error) => Self::Limit(error),
-        }
-    }
+/// Why a rig cannot be brought into a pose.
+#[derive(Debug, thiserror::Error)]
+pub enum PoseError {
+    #[error(transparent)]
+    OutsideLimits(#[from] OutsideLimits),
+    #[error(transparent)]
+    OutOfRange(#[from] PoseOutOfRange),
 }
 
 impl From<RenderError> for EngineError {

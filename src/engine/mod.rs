@@ -10,9 +10,9 @@ mod worker;
 
 pub use crate::render::{AdapterChoice, AdapterInfo, AdapterKind, Backend};
 pub use admission::{Admission, AttachedBytes, HeldBytes, Share, Ticket};
-pub use error::EngineError;
+pub use error::{EngineError, PoseError};
 pub use extents::Extents;
-pub use store::{LoadedRig, RigRef};
+pub use store::{ChangedPose, LoadedRig, RigRef};
 pub use worker::{Timings, Urgency};
 
 use crate::formats::{self, FileRef, Source};
@@ -93,9 +93,19 @@ impl RigRef {
         &self,
         base: Base,
         edit: &PoseEdit,
-    ) -> Result<(Arc<Posed>, Vec<Clamped>), EngineError> {
+    ) -> Result<(Arc<Posed>, Vec<Clamped>), PoseError> {
         let (pose, clamped) = self.start(base).edited(edit)?;
         Ok((self.loaded.recent.posed(pose)?, clamped))
+    }
+
+    /// What the stored pose may become.
+    ///
+    /// # Errors
+    /// As the pose has them. One that cannot be worked out is not to be kept either.
+    pub fn changed(&self, base: Base, edit: &PoseEdit) -> Result<ChangedPose, PoseError> {
+        let (pose, clamped) = self.start(base).edited(edit)?;
+        Posed::new(&pose)?;
+        Ok(ChangedPose { pose, clamped })
     }
 }
 
@@ -199,29 +209,28 @@ impl Engine {
         self.store.find(rig)
     }
 
-    /// Changes the stored pose for good, by the edit that `choose` makes for the rig.
+    /// Changes the stored pose for good, to what `change` makes of it.
     ///
     /// # Errors
-    /// As `choose` and the pose have them; the stored pose is then as it was.
-    pub fn set_pose(
+    /// [`EngineError::RigNotLoaded`], and as `change` has them; the stored pose is then as it was.
+    pub fn set_pose<E: From<EngineError>>(
         &self,
         rig: &str,
-        choose: impl FnOnce(&RigRef) -> Result<(Base, PoseEdit), EngineError>,
-    ) -> Result<(Arc<LoadedRig>, Vec<Clamped>), EngineError> {
-        self.store.update_pose(rig, |current| {
-            let (base, edit) = choose(current)?;
-            let (pose, clamped) = current.start(base).edited(&edit)?;
-            // A pose that cannot be worked out is not kept either.
-            Posed::new(&pose)?;
-            Ok((pose, clamped))
-        })
+        change: impl FnOnce(&RigRef) -> Result<ChangedPose, E>,
+    ) -> Result<(Arc<LoadedRig>, Vec<Clamped>), E> {
+        self.store.update_pose(rig, change)
     }
 
     /// # Errors
     /// [`EngineError::RigNotLoaded`].
     pub fn reset_pose(&self, rig: &str) -> Result<(), EngineError> {
+        // Loading has worked it out.
+        let at_rest = |current: &RigRef| ChangedPose {
+            pose: current.start(Base::Rest),
+            clamped: Vec::new(),
+        };
         self.store
-            .update_pose(rig, |current| Ok((current.start(Base::Rest), Vec::new())))?;
+            .update_pose::<EngineError>(rig, |current| Ok(at_rest(current)))?;
         Ok(())
     }
 

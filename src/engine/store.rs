@@ -1,8 +1,8 @@
 //! The loaded rigs by name, each with its stored pose.
 
-use super::EngineError;
 use super::extents::Extents;
 use super::recent::RecentPoses;
+use super::{EngineError, PoseError};
 use crate::formats::Loaded;
 use crate::limits::Limits;
 use crate::pose::{Clamped, Pose, Posed};
@@ -37,7 +37,8 @@ impl LoadedRig {
         } = loaded;
         let name = name.map_or(stem, str::to_owned);
         let rig = Arc::new(rig);
-        let extents = Extents::of(&Posed::new(&Pose::rest(&rig))?);
+        let rest = Posed::new(&Pose::rest(&rig)).map_err(PoseError::from)?;
+        let extents = Extents::of(&rest);
         Ok(Self {
             name,
             digest,
@@ -73,6 +74,12 @@ pub struct RigRef {
     pub stored: Pose,
     /// Whether the request gave the digest rather than the name.
     pub by_digest: bool,
+}
+
+/// A pose that may be stored: it was worked out once. [`RigRef::changed`] makes them.
+pub struct ChangedPose {
+    pub(super) pose: Pose,
+    pub(super) clamped: Vec<Clamped>,
 }
 
 struct Entry {
@@ -165,14 +172,17 @@ impl Store {
     }
 
     /// The lock is held from reading the stored pose to writing it, so that no change of another connection is lost.
-    pub fn update_pose(
+    pub fn update_pose<E: From<EngineError>>(
         &self,
         rig: &str,
-        update: impl FnOnce(&RigRef) -> Result<(Pose, Vec<Clamped>), EngineError>,
-    ) -> Result<(Arc<LoadedRig>, Vec<Clamped>), EngineError> {
+        update: impl FnOnce(&RigRef) -> Result<ChangedPose, E>,
+    ) -> Result<(Arc<LoadedRig>, Vec<Clamped>), E> {
         let mut entries = self.lock();
         let (name, current) = find(&entries, rig)?;
-        let (stored, clamped) = update(&current)?;
+        let ChangedPose {
+            pose: stored,
+            clamped,
+        } = update(&current)?;
         let loaded = current.loaded;
         entries.insert(
             name,

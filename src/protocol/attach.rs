@@ -2,7 +2,7 @@
 //! Never lives here: reading and writing them, and the limit on how many there may be.
 
 use super::blob::Numbers;
-use super::error::Fault;
+use super::field::{FieldFault, FieldPath};
 use base64_simd::STANDARD;
 use schemars::JsonSchema;
 use serde::de::{Error, Visitor};
@@ -21,11 +21,11 @@ pub struct Attach {
 }
 
 impl Attach {
-    /// The stretch itself. `path` is that of the field, for the fault.
+    /// The stretch itself.
     ///
     /// # Errors
-    /// [`Fault::InvalidParams`] where the request did not bring that many bytes.
-    pub fn of<'a>(&self, attached: &'a [u8], path: &str) -> Result<&'a [u8], Fault> {
+    /// Where the request did not bring that many bytes.
+    pub fn of<'a>(&self, attached: &'a [u8]) -> Result<&'a [u8], FieldFault> {
         usize::try_from(self.offset)
             .ok()
             .zip(usize::try_from(self.bytes).ok())
@@ -33,8 +33,8 @@ impl Attach {
             .ok_or_else(|| {
                 let Self { offset, bytes } = self;
                 let length = attached.len();
-                Fault::invalid_params(
-                    path,
+                FieldFault::new(
+                    FieldPath::default(),
                     format!("expected a part of the {length} attached bytes, but found {bytes} bytes from {offset}"),
                 )
             })
@@ -220,16 +220,16 @@ mod tests {
     #[test]
     fn a_stretch_is_taken_only_from_within_what_came() {
         let attached = b"abcdef";
-        let of = |offset, bytes| Attach { offset, bytes }.of(attached, "files[0].attach");
+        let of = |offset, bytes| Attach { offset, bytes }.of(attached);
         assert_eq!(of(0, 6), Ok(&b"abcdef"[..]));
         assert_eq!(of(2, 3), Ok(&b"cde"[..]));
         assert_eq!(of(6, 0), Ok(&b""[..]));
         for (offset, bytes) in [(0, 7), (6, 1), (7, 0), (u64::MAX, 1), (1, u64::MAX)] {
             let fault = of(offset, bytes).unwrap_err();
-            assert!(
-                matches!(&fault, Fault::InvalidParams { path, .. } if path == "files[0].attach"),
-                "{fault}"
+            let wanted = format!(
+                "params: expected a part of the 6 attached bytes, but found {bytes} bytes from {offset}"
             );
+            assert_eq!(fault.to_string(), wanted);
         }
     }
 

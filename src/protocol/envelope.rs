@@ -2,8 +2,9 @@
 //! Never lives here: where lines end, how long they may be, and what a method's parameters are.
 
 use super::error::Fault;
+use super::field::{FieldFault, FieldPath, shortened};
 use super::id::Id;
-use super::parse::{reworded, shortened};
+use super::parse::reworded;
 use super::strict::{Strict, unknown_field};
 use serde::Deserializer;
 use serde::de::{DeserializeOwned, IgnoredAny, MapAccess, SeqAccess, Visitor};
@@ -97,10 +98,7 @@ impl Draft {
             .map_err(|error| {
                 let (_, message) = reworded(&error);
                 match error.classify() {
-                    serde_json::error::Category::Data => Fault::InvalidRequest {
-                        message,
-                        path: None,
-                    },
+                    serde_json::error::Category::Data => Fault::InvalidRequest { message },
                     _ => Fault::ParseError {
                         message: format!("{message} at column {} of the line", error.column()),
                     },
@@ -136,9 +134,9 @@ impl Draft {
         }
     }
 
-    fn complain(&mut self, path: &str, message: impl Into<String>) {
+    fn complain(&mut self, member: &str, message: impl Into<String>) {
         if self.fault.is_none() {
-            self.fault = Some(invalid(path, message));
+            self.fault = Some(invalid(member, message));
         }
     }
 
@@ -177,11 +175,11 @@ impl Draft {
     }
 }
 
-fn invalid(path: &str, message: impl Into<String>) -> Fault {
-    Fault::InvalidRequest {
-        message: format!("{}: {}", shortened(path), message.into()),
-        path: Some(shortened(path)),
-    }
+fn invalid(member: &str, message: impl Into<String>) -> Fault {
+    Fault::InvalidMember(FieldFault::new(
+        FieldPath::default().field(member.to_owned()),
+        message,
+    ))
 }
 
 struct LineVisitor<'a>(&'a mut Draft);
@@ -205,7 +203,6 @@ impl<'de> Visitor<'de> for LineVisitor<'_> {
         while seq.next_element::<IgnoredAny>()?.is_some() {}
         self.0.fault = Some(Fault::InvalidRequest {
             message: "expected a request, but found a list: write one request to a line; many may be written before a reply is read".to_owned(),
-            path: None,
         });
         Ok(())
     }

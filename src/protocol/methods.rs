@@ -2,8 +2,9 @@
 //! Never lives here: what a method does.
 
 use super::error::{Fault, Kind};
-use super::parse::{nearest, shortened};
+use super::field::shortened;
 use super::{Done, NoParams, batch, frame, mesh, pick, pose, rig, server};
+use crate::spelling::nearest;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use std::borrow::Cow;
 
@@ -128,7 +129,7 @@ impl Method {
         known()
             .find(|method| method.name() == name)
             .ok_or_else(|| Fault::MethodNotFound {
-                method: shortened(name),
+                method: shortened(name).into_owned(),
                 nearest: nearest(name, known().map(Self::name)).map(str::to_owned),
             })
     }

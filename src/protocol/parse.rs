@@ -2,17 +2,17 @@
 //! Never lives here: rules about one type, and rules that need more than the request to judge.
 
 use super::error::Fault;
+use super::field::{FieldFault, FieldPath, shortened};
 use super::strict::Strict;
-pub use crate::spelling::nearest;
 use serde::de::{DeserializeOwned, Error};
 use serde_json::value::RawValue;
 use serde_path_to_error::{Path, Segment};
-use std::fmt::{Display, Write};
+use std::fmt::Display;
 
 /// The parameters as `T`. Absent ones are taken for `{}`.
 ///
 /// # Errors
-/// [`Fault::InvalidParams`], with a path such as `lights[1].color`.
+/// [`Fault::InvalidParams`].
 pub fn params<T: DeserializeOwned>(raw: Option<&RawValue>) -> Result<T, Fault> {
     let text = raw.map_or("{}", RawValue::get);
     // Keeping track of the path costs a string for each key; hardly any request needs it.
@@ -22,10 +22,7 @@ pub fn params<T: DeserializeOwned>(raw: Option<&RawValue>) -> Result<T, Fault> {
     let mut inner = serde_json::Deserializer::from_str(text);
     serde_path_to_error::deserialize(Strict(&mut inner)).map_err(|error| {
         let (field, message) = reworded(error.inner());
-        Fault::InvalidParams {
-            path: path_text(error.path(), field.as_deref()),
-            message,
-        }
+        Fault::InvalidParams(FieldFault::new(path_of(error.path(), field), message))
     })
 }
 
@@ -38,26 +35,13 @@ pub(super) fn field_error<E: Error>(field: &str, message: impl Display) -> E {
 /// into a message, so that it cannot hold one.
 const FIELD_MARK: char = '\u{1f}';
 
-/// As much of a text from outside as a message can carry.
-pub fn shortened(text: &str) -> String {
-    const LONGEST: usize = 160;
-    if text.len() <= LONGEST {
-        return text.to_owned();
-    }
-    let mut end = LONGEST;
-    while !text.is_char_boundary(end) {
-        end -= 1;
-    }
-    format!("{}…", &text[..end])
-}
-
 /// The field it is about, where the error names one below the path, and the sentence, in the words of this protocol and not of serde.
 pub(super) fn reworded(error: &serde_json::Error) -> (Option<String>, String) {
     let text = error.to_string();
     let position = format!(" at line {} column {}", error.line(), error.column());
     let text = text.strip_suffix(&position).unwrap_or(&text);
     if let Some((field, message)) = text.split_once(FIELD_MARK) {
-        return (Some(field.to_owned()), shortened(message));
+        return (Some(field.to_owned()), shortened(message).into_owned());
     }
     if let Some(field) = text.strip_prefix("missing field `") {
         let field = field.trim_end_matches('`').to_owned();
@@ -75,7 +59,10 @@ pub(super) fn reworded(error: &serde_json::Error) -> (Option<String>, String) {
         (_, Some(rest)) => expected_but_found(rest, "only "),
         _ => None,
     };
-    (None, message.unwrap_or_else(|| shortened(text)))
+    (
+        None,
+        message.unwrap_or_else(|| shortened(text).into_owned()),
+    )
 }
 
 /// From `F, expected E`.
@@ -91,30 +78,18 @@ fn expected_but_found(rest: &str, only: &str) -> Option<String> {
     Some(format!("expected {expected}, but found {only}{found}"))
 }
 
-fn path_text(path: &Path, field: Option<&str>) -> String {
-    let mut text = String::new();
-    let name = |text: &mut String, key: &str| {
-        let separator = if text.is_empty() { "" } else { "." };
-        *text += separator;
-        *text += &shortened(key);
-    };
-    for segment in path.iter() {
-        match segment {
-            Segment::Map { key } => name(&mut text, key),
-            Segment::Seq { index } => {
-                // Writing to a string cannot fail.
-                let _ = write!(text, "[{index}]");
-            }
-            Segment::Enum { .. } | Segment::Unknown => {}
-        }
+fn path_of(tracked: &Path, field: Option<String>) -> FieldPath {
+    let mut path = FieldPath::default();
+    for segment in tracked.iter() {
+        path = match segment {
+            Segment::Map { key } => path.field(key.clone()),
+            Segment::Seq { index } => path.index(*index),
+            Segment::Enum { .. } | Segment::Unknown => path,
+        };
     }
-    if let Some(field) = field {
-        name(&mut text, field);
-    }
-    if text.is_empty() {
-        "params".to_owned()
-    } else {
-        text
+    match field {
+        Some(field) => path.field(field),
+        None => path,
     }
 }
 

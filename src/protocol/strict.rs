@@ -5,7 +5,8 @@
 //! is too long. All four are refused here, and an unknown name gets its nearest known one. One thing is let through that serde refuses:
 //! JSON has one kind of number, so an integer may be written `256.0` or `1e2`.
 
-use super::parse::{nearest, shortened};
+use super::field::shortened;
+use crate::spelling::nearest;
 use serde::de::value::StrDeserializer;
 use serde::de::{
     DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Unexpected, Visitor,

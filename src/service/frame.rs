@@ -2,6 +2,7 @@
 
 use super::answer::Answer;
 use super::batch::{Course, Items};
+use super::pose::of_pose;
 use super::scene::of_skinning;
 use super::{Call, describe, file_lights};
 use crate::encode::{self, Compression};
@@ -60,7 +61,7 @@ impl Call {
         for (index, change) in params.frames.iter().enumerate() {
             if let Some(name) = change.rig.as_ref().filter(|name| !rigs.contains_key(*name)) {
                 let found = self.engine().rig(name);
-                let found = found.map_err(|error| Fault::from(error).within(&place(index)))?;
+                let found = found.map_err(|error| Fault::from(error).within(("frames", index)))?;
                 rigs.insert(name.clone(), found);
             }
         }
@@ -90,7 +91,7 @@ impl Call {
 
     fn subject(&self, params: &wire::FrameParams, found: &RigRef) -> Result<Subject, Fault> {
         let mut scene = self.scene(params, &found.loaded)?;
-        let (posed, clamped) = self.posed(&params.pose, found)?;
+        let (posed, clamped) = self.posed(&params.pose, found).map_err(of_pose)?;
         if let Some(Lights::Named(NamedLights::File)) = params.lights {
             scene.lights = file_lights::in_pose(&posed);
         }
@@ -238,7 +239,7 @@ impl FrameItems {
         let params = change.over(&self.params);
         let found = &self.rigs[&params.rig];
         let scene = self.call.scene(&params, &found.loaded)?;
-        self.call.check_pose(&params.pose, found)?;
+        self.call.check_pose(&params.pose, found).map_err(of_pose)?;
         let least = match params.image {
             wire::ImageFormat::Rgba8 => written(4 * scene.size.pixels() as u64, params.transport),
             // Of a plain color next to nothing is left.
@@ -259,13 +260,9 @@ impl FrameItems {
     fn located(&self, index: usize, fault: Fault) -> Fault {
         match self.check(&FrameChange::default()) {
             Err(of_common) if of_common == fault => fault,
-            _ => fault.within(&place(index)),
+            _ => fault.within(("frames", index)),
         }
     }
-}
-
-fn place(index: usize) -> String {
-    format!("frames[{index}]")
 }
 
 /// What a picture of a batch takes.

@@ -2,6 +2,7 @@
 
 use super::answer::Answer;
 use super::names::unknown;
+use super::pose::of_pose;
 use super::scene::of_skinning;
 use super::{Call, describe};
 use crate::engine::{Terms, Timings};
@@ -44,7 +45,7 @@ impl Call {
             shape: of_state(params.state),
             transport: params.transport,
         };
-        let (posed, clamped) = self.posed(&params.pose, &found)?;
+        let (posed, clamped) = self.posed(&params.pose, &found).map_err(of_pose)?;
         let clamped = describe::clamped(posed.rig(), &clamped);
         let (held, terms) = self.take_on(wanted.bytes(posed.rig()))?;
         let Some(answer) = answer.take() else {

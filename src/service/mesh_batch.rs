@@ -3,12 +3,13 @@
 use super::answer::Answer;
 use super::batch::{Course, Items};
 use super::mesh::{Done, Wanted, of_state, queries};
+use super::pose::of_pose;
 use super::scene::of_skinning;
 use super::{Call, describe};
 use crate::engine::{RigRef, Terms};
 use crate::protocol::batch::{BatchAttribute, MeshBatch, MeshBatchParams, MeshItem, MeshReady};
 use crate::protocol::pose::{DofValues, Pose};
-use crate::protocol::{Attachments, Fault, Id};
+use crate::protocol::{Attachments, Fault, FieldFault, FieldPath, Id, Segment};
 use crate::rig::Rig;
 use serde::Serialize;
 use std::sync::Arc;
@@ -76,7 +77,9 @@ impl Call {
             (None, Some(values)) => {
                 let values = match values {
                     DofValues::List(values) => values,
-                    DofValues::Attached { .. } => self.numbers(&values, "dof_values")?,
+                    DofValues::Attached { .. } => self
+                        .numbers(&values)
+                        .map_err(|fault| fault.within("dof_values"))?,
                 };
                 if dof_count == 0 || values.len() % dof_count != 0 {
                     let found = values.len();
@@ -145,21 +148,18 @@ impl Poses {
         bytes as u64
     }
 
-    /// A fault of a pose is told by its place in the request.
-    fn located(&self, index: usize, fault: Fault) -> Fault {
-        let Fault::InvalidParams { path, message } = fault else {
-            return fault;
+    /// The fault of a pose, as seen from the request.
+    fn located(&self, index: usize, fault: FieldFault) -> FieldFault {
+        let is_of_values = |path: &FieldPath| match path.segments() {
+            [] => true,
+            [first, ..] => *first == Segment::Name("dof_values".into()),
         };
-        match (self, path.strip_prefix("pose")) {
-            (Self::Each(_), Some(rest)) => {
-                Fault::invalid_params(format!("poses[{index}]{rest}"), message)
+        match self {
+            Self::Each(_) => fault.within(("poses", index)),
+            Self::Rows { .. } if is_of_values(&fault.path) => {
+                FieldFault::new("dof_values", format!("row {index}: {}", fault.message))
             }
-            (Self::Rows { .. }, Some(rest))
-                if rest.is_empty() || rest.starts_with(".dof_values") =>
-            {
-                Fault::invalid_params("dof_values", format!("row {index}: {message}"))
-            }
-            _ => Fault::InvalidParams { path, message },
+            Self::Rows { .. } => of_pose(fault),
         }
     }
 }
@@ -192,7 +192,7 @@ impl Items for MeshItems {
                 let clamped = describe::clamped(posed.rig(), &clamped);
                 self.call.skin(&self.wanted, posed, clamped, terms, done);
             }
-            Err(fault) => done(Err(self.poses.located(index, fault))),
+            Err(fault) => done(Err(self.poses.located(index, fault).into())),
         }
     }
 

@@ -1,7 +1,7 @@
 //! A line on its way in: read, and perhaps refused, before the service acts on it. Never lives here: what a method does.
 
 use crate::limits::Limits;
-use crate::protocol::{BadRequest, ErrorObject, Fault, Id, Request, error_line};
+use crate::protocol::{BadRequest, ErrorObject, Fault, FieldFault, Id, Request, error_line};
 use std::time::Instant;
 
 /// One line, read but not yet acted upon: the raw bytes that belong to it are still to come.
@@ -35,11 +35,11 @@ impl Message {
         match message.request {
             // They come behind the line's end.
             Ok(Request { attach_bytes, .. }) if attach_bytes > 0 => {
-                let path = "attach_bytes";
-                Some(message.refused(Fault::InvalidRequest {
-                    message: format!("{path}: expected {attach_bytes} raw bytes behind the line, but found neither its end nor any"),
-                    path: Some(path.to_owned()),
-                }))
+                let problem = format!(
+                    "expected {attach_bytes} raw bytes behind the line, but found neither its end nor any"
+                );
+                let fault = FieldFault::new("attach_bytes", problem);
+                Some(message.refused(Fault::InvalidMember(fault)))
             }
             _ => Some(message),
         }

@@ -1,8 +1,9 @@
 //! What a message says of a name that is none of the known ones: what may have been meant, or else a few of those there are.
 //! Never lives here: looking names up.
 
-use crate::protocol::{nearest, shortened};
+use crate::protocol::shortened;
 use crate::rig::{DofKind, Rig};
+use crate::spelling::nearest;
 
 /// As many as are read at a glance.
 pub(super) const LISTED: usize = 8;

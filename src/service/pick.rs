@@ -1,9 +1,10 @@
 //! `scene.pick`.
 
 use super::answer::Answer;
+use super::pose::of_pose;
 use super::scene::of_skinning;
-use super::{Call, describe};
-use crate::engine::{EngineError, PickQuery};
+use super::{Call, describe, fault};
+use crate::engine::PickQuery;
 use crate::pick::{Hit, What};
 use crate::protocol::pick as wire;
 use crate::protocol::{Attachments, Fault};
@@ -31,19 +32,19 @@ impl Call {
         let scene = self.scene(&params, &found.loaded)?;
         inside(pixel, scene.size)?;
         let ray = scene.camera.ray(DVec2::from_array(pixel));
-        let ray = ray.map_err(EngineError::from)?;
+        let ray = ray.map_err(fault::at("pixel"))?;
         let query = PickQuery {
             ray,
             bones,
             bone_radius: radius
                 .map(BoneRadius::new)
                 .transpose()
-                .map_err(EngineError::from)?,
+                .map_err(fault::at("bone_radius"))?,
             skin: (skin && scene.show.shows_skin()).then(|| scene.show.skin.shape()),
             cull: scene.cull,
             variant: scene.surface.variant,
         };
-        let (posed, clamped) = self.posed(&params.pose, &found)?;
+        let (posed, clamped) = self.posed(&params.pose, &found).map_err(of_pose)?;
         let clamped = describe::clamped(&rig, &clamped);
         // Skinned vertices are looked at and dropped, so none of them becomes text.
         let (held, terms) = self.take_on(24 * rig.draw_vertex_count() as u64)?;

@@ -2,11 +2,11 @@
 
 use super::names::{unknown, unknown_dof, unknown_joint};
 use super::{Call, describe};
-use crate::engine::{Base, EngineError, RigRef};
+use crate::engine::{Base, PoseError, RigRef};
 use crate::pose::{Clamped, ClipAt, LimitPolicy, Pose, PoseEdit, Posed, Space};
 use crate::protocol::pose as wire;
 use crate::protocol::rig::RigParams;
-use crate::protocol::{Done, Fault, shortened};
+use crate::protocol::{Done, Fault, FieldFault, FieldPath};
 use crate::rig::{LARGEST_COORDINATE, Rig};
 use glam::{DMat4, DQuat, DVec3};
 use std::collections::BTreeMap;
@@ -41,9 +41,11 @@ impl Call {
         &self,
         params: &wire::PoseSetParams,
     ) -> Result<wire::PoseSetResult, Fault> {
-        let choose = |current: &RigRef| self.edit(&params.pose, current);
-        let set = self.engine().set_pose(&params.rig, choose);
-        let (loaded, clamped) = set.map_err(|error| located(error, &params.pose))?;
+        let (loaded, clamped) = self.engine().set_pose(&params.rig, |current| {
+            let (base, edit) = self.edit(&params.pose, current).map_err(of_pose)?;
+            let changed = current.changed(base, &edit);
+            changed.map_err(|error| Fault::from(of_pose(located(error, &params.pose))))
+        })?;
         Ok(wire::PoseSetResult {
             clamped: describe::clamped(&loaded.rig, &clamped),
         })
@@ -77,9 +79,8 @@ impl Call {
         params: &wire::RollParams,
     ) -> Result<wire::PoseSetResult, Fault> {
         self.turn(&params.rig, &params.joint, params.limits, |pose, joint| {
-            let axis = pose.roll_axis(joint);
-            let axis =
-                axis.ok_or_else(|| no_such("joint", "the joint has no bone to roll about"))?;
+            let no_bone = || FieldFault::new("joint", "the joint has no bone to roll about");
+            let axis = pose.roll_axis(joint).ok_or_else(no_bone)?;
             Ok(pose.turned(joint, axis, params.angle, Space::Joint))
         })
     }
@@ -90,23 +91,23 @@ impl Call {
         rig: &str,
         joint: &str,
         limits: wire::LimitPolicy,
-        turned: impl FnOnce(&Pose, usize) -> Result<DQuat, EngineError>,
+        turned: impl FnOnce(&Pose, usize) -> Result<DQuat, FieldFault>,
     ) -> Result<wire::PoseSetResult, Fault> {
-        let set = self.engine().set_pose(rig, |current| {
+        let (loaded, clamped) = self.engine().set_pose(rig, |current| {
             let index = joint_named(joint, &current.loaded.rig)
-                .map_err(|problem| no_such("joint", problem))?;
+                .map_err(|problem| FieldFault::new("joint", problem))?;
             let edit = PoseEdit {
                 rotations: vec![(index, turned(&current.stored, index)?)],
                 limits: of_limits(limits),
                 ..PoseEdit::default()
             };
-            Ok((Base::Stored, edit))
-        });
-        let (loaded, clamped) = set.map_err(|error| match error {
-            EngineError::OutsideLimits(outside) => {
-                Fault::invalid_params("angle", outside.to_string())
-            }
-            other => other.into(),
+            let changed = current.changed(Base::Stored, &edit);
+            changed.map_err(|error| match error {
+                PoseError::OutsideLimits(outside) => {
+                    Fault::invalid_params("angle", outside.to_string())
+                }
+                PoseError::OutOfRange(out) => Fault::invalid_params("pose", out.to_string()),
+            })
         })?;
         Ok(wire::PoseSetResult {
             clamped: describe::clamped(&loaded.rig, &clamped),
@@ -118,7 +119,7 @@ impl Call {
         params: &wire::TransformsParams,
     ) -> Result<wire::Transforms, Fault> {
         let found = self.engine().rig(&params.rig)?;
-        let (posed, clamped) = self.posed(&params.pose, &found)?;
+        let (posed, clamped) = self.posed(&params.pose, &found).map_err(of_pose)?;
         let joints = posed.rig().skeleton().joints();
         let transforms =
             joints
@@ -135,26 +136,26 @@ impl Call {
         })
     }
 
-    /// The pose of this request, worked out, and what limits changed in it.
+    /// The pose of this request, worked out, and what limits changed in it. A fault is as seen from the pose.
     pub(super) fn posed(
         &self,
         pose: &wire::Pose,
         found: &RigRef,
-    ) -> Result<(Arc<Posed>, Vec<Clamped>), Fault> {
+    ) -> Result<(Arc<Posed>, Vec<Clamped>), FieldFault> {
         let (base, edit) = self.edit(pose, found)?;
         found
             .posed(base, &edit)
             .map_err(|error| located(error, pose))
     }
 
-    /// Whether the pose can be asked for. It is not worked out.
-    pub(super) fn check_pose(&self, pose: &wire::Pose, found: &RigRef) -> Result<(), Fault> {
+    /// Whether the pose can be asked for. It is not worked out. A fault is as seen from the pose.
+    pub(super) fn check_pose(&self, pose: &wire::Pose, found: &RigRef) -> Result<(), FieldFault> {
         let (base, edit) = self.edit(pose, found)?;
-        let edited = found.start(base).edited(&edit).map_err(EngineError::from);
+        let edited = found.start(base).edited(&edit).map_err(PoseError::from);
         edited.map(drop).map_err(|error| located(error, pose))
     }
 
-    fn edit(&self, pose: &wire::Pose, current: &RigRef) -> Result<(Base, PoseEdit), EngineError> {
+    fn edit(&self, pose: &wire::Pose, current: &RigRef) -> Result<(Base, PoseEdit), FieldFault> {
         let rig = &current.loaded.rig;
         let base = match pose.base {
             Some(wire::PoseBase::Stored) => Base::Stored,
@@ -167,8 +168,8 @@ impl Call {
             None => named_dofs(&pose.dofs, rig)?,
             Some(values) if pose.dofs.is_empty() => self.all_dofs(values, rig)?,
             Some(_) => {
-                return Err(no_such(
-                    "pose.dof_values",
+                return Err(FieldFault::new(
+                    "dof_values",
                     "expected either `dofs` or `dof_values`, but found both",
                 ));
             }
@@ -184,26 +185,19 @@ impl Call {
         ))
     }
 
-    /// As many as there are. `field` is theirs.
-    pub(super) fn numbers(
-        &self,
-        values: &wire::DofValues,
-        field: &str,
-    ) -> Result<Vec<f64>, EngineError> {
+    /// As many as there are. A fault is as seen from the values.
+    pub(super) fn numbers(&self, values: &wire::DofValues) -> Result<Vec<f64>, FieldFault> {
         let attach = match values {
             wire::DofValues::List(values) => return Ok(values.clone()),
             wire::DofValues::Attached { attach } => attach,
         };
-        let path = format!("{field}.attach");
-        let bytes = attach.of(&self.attached, &path);
-        let bytes = bytes.map_err(|fault| match fault {
-            Fault::InvalidParams { path, message } => no_such(path, message),
-            other => no_such(&path, other.to_string()),
-        })?;
+        let bytes = attach
+            .of(&self.attached)
+            .map_err(|fault| fault.within("attach"))?;
         let (words, rest) = bytes.as_chunks::<4>();
         if !rest.is_empty() {
             let problem = format!("expected float32 numbers, but found {} bytes", bytes.len());
-            return Err(no_such(path, problem));
+            return Err(FieldFault::new("attach", problem));
         }
         let values = words.iter().map(|&word| f32::from_le_bytes(word));
         Ok(values.map(f64::from).collect())
@@ -213,42 +207,46 @@ impl Call {
         &self,
         values: &wire::DofValues,
         rig: &Rig,
-    ) -> Result<Vec<(usize, f64)>, EngineError> {
-        let values = self.numbers(values, "pose.dof_values")?;
+    ) -> Result<Vec<(usize, f64)>, FieldFault> {
+        let field = "dof_values";
+        let values = self.numbers(values).map_err(|fault| fault.within(field))?;
         let (wanted, found) = (rig.dofs().all().len(), values.len());
         if wanted != found {
-            return Err(no_such(
-                "pose.dof_values",
-                format!("expected {wanted} values, one for each DOF, but found {found}"),
-            ));
+            let problem = format!("expected {wanted} values, one for each DOF, but found {found}");
+            return Err(FieldFault::new(field, problem));
         }
         if let Some(index) = values.iter().position(|value| !value.is_finite()) {
-            return Err(no_such(
-                format!("pose.dof_values[{index}]"),
-                "expected a finite number",
-            ));
+            return Err(FieldFault::new((field, index), "expected a finite number"));
         }
         Ok(values.into_iter().enumerate().collect())
     }
 }
 
-/// A value past its limits is at fault where the request gave it.
-fn located(error: EngineError, pose: &wire::Pose) -> Fault {
-    let EngineError::OutsideLimits(outside) = error else {
-        return error.into();
+/// A fault of a request's own pose, as seen from the request.
+pub(super) fn of_pose(fault: FieldFault) -> FieldFault {
+    fault.within("pose")
+}
+
+/// A value past its limits is at fault where the pose gives it.
+fn located(error: PoseError, pose: &wire::Pose) -> FieldFault {
+    let outside = match error {
+        PoseError::OutsideLimits(outside) => outside,
+        PoseError::OutOfRange(out) => {
+            return FieldFault::new(FieldPath::default(), out.to_string());
+        }
     };
     let path = if pose.dofs.contains_key(&outside.dof) {
-        format!("pose.dofs.{}", outside.dof)
+        FieldPath::from("dofs").field(outside.dof.clone())
     } else if pose.dof_values.is_some() {
-        "pose.dof_values".to_owned()
+        "dof_values".into()
     } else if pose.rotations.is_empty() && pose.clip.is_some() {
-        "pose.clip".to_owned()
+        "clip".into()
     } else if pose.rotations.is_empty() {
-        "pose.clips".to_owned()
+        "clips".into()
     } else {
-        "pose.rotations".to_owned()
+        "rotations".into()
     };
-    Fault::invalid_params(path, outside.to_string())
+    FieldFault::new(path, outside.to_string())
 }
 
 fn of_limits(limits: wire::LimitPolicy) -> LimitPolicy {
@@ -259,55 +257,48 @@ fn of_limits(limits: wire::LimitPolicy) -> LimitPolicy {
     }
 }
 
-fn clips(pose: &wire::Pose, rig: &Rig) -> Result<Vec<ClipAt>, EngineError> {
+fn clips(pose: &wire::Pose, rig: &Rig) -> Result<Vec<ClipAt>, FieldFault> {
     if let Some(wire::ClipAt { name, time }) = &pose.clip {
         if !pose.clips.is_empty() {
             let problem = "expected either `clip` or `clips`, but found both";
-            return Err(no_such("pose.clips", problem));
+            return Err(FieldFault::new("clips", problem));
         }
-        return Ok(vec![clip_at(name, *time, 1.0, "pose.clip", rig)?]);
+        let only = clip_at(name, *time, 1.0, rig).map_err(|fault| fault.within("clip"))?;
+        return Ok(vec![only]);
     }
     let clip = |(index, clip): (usize, &wire::WeightedClip)| {
-        let field = format!("pose.clips[{index}]");
-        clip_at(&clip.name, clip.time, clip.weight, &field, rig)
+        clip_at(&clip.name, clip.time, clip.weight, rig)
+            .map_err(|fault| fault.within(("clips", index)))
     };
     pose.clips.iter().enumerate().map(clip).collect()
 }
 
-fn clip_at(
-    name: &str,
-    time: f64,
-    weight: f64,
-    field: &str,
-    rig: &Rig,
-) -> Result<ClipAt, EngineError> {
+/// A fault is as seen from the clip.
+fn clip_at(name: &str, time: f64, weight: f64, rig: &Rig) -> Result<ClipAt, FieldFault> {
     // As far as the keys of a clip can be.
     if time.abs() > LARGEST_COORDINATE {
         let problem = format!("expected a time within ±{LARGEST_COORDINATE:e}, but found {time:e}");
-        return Err(no_such(format!("{field}.time"), problem));
+        return Err(FieldFault::new("time", problem));
     }
     if !(0.0..=LARGEST_COORDINATE).contains(&weight) {
         let problem =
             format!("expected a number from 0 to {LARGEST_COORDINATE:e}, but found {weight:e}");
-        return Err(no_such(format!("{field}.weight"), problem));
+        return Err(FieldFault::new("weight", problem));
     }
     match rig.clips().iter().position(|clip| clip.name == name) {
         Some(clip) => Ok(ClipAt { clip, time, weight }),
         None => {
             let known = rig.clips().iter().map(|clip| clip.name.as_str());
-            Err(no_such(
-                format!("{field}.name"),
-                unknown("clip", name, known),
-            ))
+            Err(FieldFault::new("name", unknown("clip", name, known)))
         }
     }
 }
 
-fn named_dofs(dofs: &BTreeMap<String, f64>, rig: &Rig) -> Result<Vec<(usize, f64)>, EngineError> {
+fn named_dofs(dofs: &BTreeMap<String, f64>, rig: &Rig) -> Result<Vec<(usize, f64)>, FieldFault> {
     let index = |(name, &value): (&String, &f64)| match rig.dofs().named(name) {
         Some(dof) => Ok((dof, value)),
-        None => Err(no_such(
-            format!("pose.dofs.{}", shortened(name)),
+        None => Err(FieldFault::new(
+            FieldPath::from("dofs").field(name.clone()),
             unknown_dof(name, rig),
         )),
     };
@@ -317,17 +308,17 @@ fn named_dofs(dofs: &BTreeMap<String, f64>, rig: &Rig) -> Result<Vec<(usize, f64
 fn rotations(
     rotations: &BTreeMap<String, [f64; 4]>,
     rig: &Rig,
-) -> Result<Vec<(usize, DQuat)>, EngineError> {
+) -> Result<Vec<(usize, DQuat)>, FieldFault> {
     let index = |(name, &rotation): (&String, &[f64; 4])| {
-        let field = || format!("pose.rotations.{}", shortened(name));
-        let joint = joint_named(name, rig).map_err(|problem| no_such(field(), problem))?;
+        let path = || FieldPath::from("rotations").field(name.clone());
+        let joint = joint_named(name, rig).map_err(|problem| FieldFault::new(path(), problem))?;
         let length = DQuat::from_array(rotation).length();
         // Off by more than float32 or a few printed decimals leave, it was not meant as a rotation.
         if (length - 1.0).abs() > 1e-2 {
             let problem = format!(
                 "expected a unit quaternion [x, y, z, w], but found one of length {length}"
             );
-            return Err(no_such(field(), problem));
+            return Err(FieldFault::new(path(), problem));
         }
         Ok((joint, DQuat::from_array(rotation).normalize()))
     };
@@ -338,11 +329,4 @@ fn rotations(
 fn joint_named(name: &str, rig: &Rig) -> Result<usize, String> {
     let found = rig.skeleton().joint_named(name);
     found.ok_or_else(|| unknown_joint(name, rig))
-}
-
-pub(super) fn no_such(field: impl Into<String>, problem: impl Into<String>) -> EngineError {
-    EngineError::NoSuchPart {
-        field: field.into(),
-        problem: problem.into(),
-    }
 }

@@ -3,7 +3,7 @@
 use super::{Call, describe};
 use crate::formats::{File, FileRef};
 use crate::protocol::rig::{LoadParams, RigDescription, RigFile, RigList, RigParams, RigSummary};
-use crate::protocol::{Done, Fault};
+use crate::protocol::{Done, Fault, FieldFault, FieldPath};
 
 /// Bytes of a rig's name: enough for a path-like scheme of any client's own.
 const LONGEST_NAME: usize = 256;
@@ -59,10 +59,9 @@ impl Call {
         };
         if inline_name.chars().any(char::is_control) {
             let problem = "expected a file name without control characters";
-            return Err(Fault::invalid_params(
-                format!("files[{index}].name"),
-                problem,
-            ));
+            return Err(FieldFault::new("name", problem)
+                .within(("files", index))
+                .into());
         }
         let inline = |name: String, bytes: Vec<u8>| {
             Ok(FileRef::Inline(File {
@@ -75,8 +74,9 @@ impl Call {
             RigFile::Text { name, text } => inline(name, text.into_bytes()),
             RigFile::Base64 { name, base64 } => inline(name, base64.0),
             RigFile::Attached { name, attach } => {
-                let path = format!("files[{index}].attach");
-                inline(name, attach.of(&self.attached, &path)?.to_vec())
+                let bytes = attach.of(&self.attached);
+                let path = FieldPath::from(("files", index)).field("attach");
+                inline(name, bytes.map_err(|fault| fault.within(path))?.to_vec())
             }
         }
     }

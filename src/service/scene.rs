@@ -1,17 +1,16 @@
 //! From the fields of a frame request to a [`Scene`].
 
 use super::names::unknown;
-use super::pose::no_such;
 use super::{Call, fault};
-use crate::engine::{EngineError, LoadedRig};
+use crate::engine::LoadedRig;
 use crate::pose::Skinning;
-use crate::protocol::Fault;
 use crate::protocol::camera as wire_camera;
 use crate::protocol::frame as wire;
+use crate::protocol::{Fault, FieldFault};
 use crate::rig::Rig;
 use crate::scene::{
-    Background, Bounds, Camera, Color, Cull, Falloff, Light, LookAt, Near, Orbit, Pinhole, Samples,
-    Scene, SceneError, Show, ShowNormals, ShowSkeleton, ShowSkin, Size, Surface,
+    Background, Bounds, Camera, CameraError, Color, Cull, Falloff, Light, LookAt, Near, Orbit,
+    Pinhole, Samples, Scene, Show, ShowNormals, ShowSkeleton, ShowSkin, Size, Surface,
 };
 use glam::{DMat4, DVec3};
 
@@ -24,7 +23,7 @@ impl Call {
     ) -> Result<Scene, Fault> {
         let limits = self.engine().limits();
         let [width, height] = params.size;
-        let size = Size::new(width, height, limits).map_err(EngineError::from)?;
+        let size = Size::new(width, height, limits).map_err(fault::of_size)?;
         self.engine().capabilities().accept_size(size)?;
         if params.outputs.is_empty() {
             return Err(Fault::invalid_params(
@@ -43,8 +42,9 @@ impl Call {
             }
             Some(wire_camera::Lights::Given(lights)) => {
                 limits.lights(lights.len())?;
-                let light =
-                    |(index, light)| of_light(light).map_err(|error| fault::of_light(index, error));
+                let light = |(index, light)| {
+                    light_of(light).map_err(|fault| fault.within(("lights", index)))
+                };
                 lights
                     .iter()
                     .enumerate()
@@ -52,45 +52,45 @@ impl Call {
                     .collect::<Result<_, _>>()?
             }
         };
-        let variant = of_variant(&params.material, &rig.rig)?;
-        let scene = || -> Result<Scene, SceneError> {
-            let show = of_show(&params.show)?;
-            Ok(Scene {
-                size,
-                samples: match params.samples {
-                    wire::Samples::One => Samples::One,
-                    wire::Samples::Four => Samples::Four,
-                },
-                camera: of_camera(&params.camera, &rig.extents.framed(&show), size)?,
-                lights,
-                ambient: params
-                    .ambient
-                    .map_or(Ok(Scene::DEFAULT_AMBIENT), |ambient| {
-                        Color::new(ambient, "ambient")
-                    })?,
-                surface: Surface {
-                    variant,
-                    ..of_material(&params.material)?
-                },
-                background: params
-                    .background
-                    .map_or(Ok(Background::default()), Background::new)?,
-                show,
-                cull: match params.cull {
-                    wire::Cull::Auto => Cull::Auto,
-                    wire::Cull::Never => Cull::Never,
-                },
-            })
-        };
-        scene().map_err(|error| EngineError::from(error).into())
+        let of_material = |fault: FieldFault| fault.within("material");
+        let variant = variant(&params.material, &rig.rig).map_err(of_material)?;
+        let show = show(&params.show).map_err(|fault| fault.within("show"))?;
+        let camera = camera(&params.camera, &rig.extents.framed(&show), size)
+            .map_err(|error| FieldFault::from(error).within("camera"))?;
+        let ambient = params
+            .ambient
+            .map_or(Ok(Scene::DEFAULT_AMBIENT), Color::new);
+        let ambient = ambient.map_err(fault::at("ambient"))?;
+        let surface = surface(&params.material).map_err(of_material)?;
+        let background = params
+            .background
+            .map_or(Ok(Background::default()), Background::new)
+            .map_err(fault::at("background"))?;
+        Ok(Scene {
+            size,
+            samples: match params.samples {
+                wire::Samples::One => Samples::One,
+                wire::Samples::Four => Samples::Four,
+            },
+            camera,
+            lights,
+            ambient,
+            surface: Surface { variant, ..surface },
+            background,
+            show,
+            cull: match params.cull {
+                wire::Cull::Auto => Cull::Auto,
+                wire::Cull::Never => Cull::Never,
+            },
+        })
     }
 }
 
-fn of_camera(
+fn camera(
     camera: &wire_camera::Camera,
     framed: &Bounds,
     size: Size,
-) -> Result<Camera, SceneError> {
+) -> Result<Camera, CameraError> {
     match camera {
         wire_camera::Camera::Orbit(orbit) => {
             let wire_camera::Orbit {
@@ -170,29 +170,33 @@ fn of_camera(
     }
 }
 
-fn of_light(light: &wire_camera::Light) -> Result<Light, SceneError> {
-    let white = [1.0; 3];
+fn light_of(light: &wire_camera::Light) -> Result<Light, FieldFault> {
+    let color = |given: Option<[f64; 3]>| {
+        let white = [1.0; 3];
+        Color::new(given.unwrap_or(white)).map_err(fault::at("color"))
+    };
     match light {
         wire_camera::Light::Directional(light) => {
-            let color = Color::new(light.color.unwrap_or(white), "lights.color")?;
-            Light::directional(
-                DVec3::from_array(light.direction),
+            let direction = DVec3::from_array(light.direction);
+            let color = color(light.color)?;
+            Ok(Light::directional(
+                direction,
                 color,
                 light.intensity.unwrap_or(1.0),
-            )
+            )?)
         }
         wire_camera::Light::Point(light) => {
-            let color = Color::new(light.color.unwrap_or(white), "lights.color")?;
+            let color = color(light.color)?;
             let falloff = match light.falloff {
                 wire_camera::Falloff::None => Falloff::None,
                 wire_camera::Falloff::InverseSquare => Falloff::InverseSquare,
             };
-            Light::point(
+            Ok(Light::point(
                 DVec3::from_array(light.position),
                 color,
                 light.intensity.unwrap_or(1.0),
                 falloff,
-            )
+            )?)
         }
     }
 }
@@ -204,7 +208,7 @@ pub(super) fn of_skinning(skinning: wire::Skinning) -> Skinning {
     }
 }
 
-fn of_variant(material: &wire::Material, rig: &Rig) -> Result<Option<usize>, EngineError> {
+fn variant(material: &wire::Material, rig: &Rig) -> Result<Option<usize>, FieldFault> {
     let Some(name) = &material.variant else {
         return Ok(None);
     };
@@ -213,25 +217,23 @@ fn of_variant(material: &wire::Material, rig: &Rig) -> Result<Option<usize>, Eng
         None => {
             let known = rig.variants().iter().map(String::as_str);
             let problem = unknown("variant", name, known);
-            Err(no_such("material.variant", problem))
+            Err(FieldFault::new("variant", problem))
         }
     }
 }
 
-fn of_material(material: &wire::Material) -> Result<Surface, SceneError> {
-    let color = |given: Option<[f64; 3]>, field| {
-        given
-            .map(|channels| Color::new(channels, field))
-            .transpose()
+fn surface(material: &wire::Material) -> Result<Surface, FieldFault> {
+    let color = |given: Option<[f64; 3]>, field: &'static str| {
+        given.map(Color::new).transpose().map_err(fault::at(field))
     };
-    Surface::new(
-        color(material.diffuse, "material.diffuse")?,
-        color(material.specular, "material.specular")?,
-        material.shininess,
-    )
+    let (diffuse, specular) = (
+        color(material.diffuse, "diffuse")?,
+        color(material.specular, "specular")?,
+    );
+    Surface::new(diffuse, specular, material.shininess).map_err(fault::at("shininess"))
 }
 
-fn of_show(show: &wire::Show) -> Result<Show, SceneError> {
+fn show(show: &wire::Show) -> Result<Show, FieldFault> {
     let skin = match show.skin {
         wire::ShowSkin::Posed => ShowSkin::Posed,
         wire::ShowSkin::Bind => ShowSkin::Bind,
@@ -248,5 +250,5 @@ fn of_show(show: &wire::Show) -> Result<Show, SceneError> {
         wire::ShowNormals::Smooth => ShowNormals::Smooth,
         wire::ShowNormals::Flat => ShowNormals::Flat,
     };
-    Show::new(skin, skeleton, normals, show.skin_opacity)
+    Show::new(skin, skeleton, normals, show.skin_opacity).map_err(fault::at("skin_opacity"))
 }

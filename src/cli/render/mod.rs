@@ -42,7 +42,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
     let format = Format::of(&output)?;
     let [width, height] = args.output.size.0;
     let size = Size::new(width, height, &Limits::default()).map_err(|error| match error {
-        SizeError::Scene(error) => anyhow!("--size: expected {error}"),
+        SizeError::Value(error) => anyhow!("--size: {error}"),
         SizeError::Limit(error) => anyhow!("--size: {error}"),
     })?;
     let (motion, rate) = (args.motion(format)?, args.rate()?);

@@ -1,7 +1,7 @@
 //! Lines that are requests, and lines that are not.
 
 use super::*;
-use crate::protocol::Kind;
+use crate::protocol::{ErrorObject, Kind};
 
 fn bad(line: &[u8]) -> BadRequest {
     match Request::parse(line) {
@@ -197,11 +197,10 @@ fn a_line_that_is_no_request_says_why_and_keeps_what_could_be_read() {
         let bad = bad(line.as_bytes());
         assert_eq!(bad.id, Id::Integer(id), "{line}");
         assert_eq!(bad.attach_bytes, attach_bytes, "{line}");
-        let fault = Fault::InvalidRequest {
-            message: message.to_owned(),
-            path: Some(path.to_owned()),
-        };
-        assert_eq!(bad.fault, fault, "{line}");
+        let error = ErrorObject::from(bad.fault);
+        assert_eq!(error.kind(), Some(Kind::InvalidRequest), "{line}");
+        assert_eq!(error.message, message, "{line}");
+        assert_eq!(error.detail("path"), Some(&path.into()), "{line}");
     }
 }
 

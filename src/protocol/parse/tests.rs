@@ -18,11 +18,11 @@ fn parsed<T: DeserializeOwned>(text: &str) -> Result<T, Fault> {
 /// Each is the text of the parameters, the path of the fault, and its message.
 fn check<T: DeserializeOwned + std::fmt::Debug>(cases: &[(&str, &str, &str)]) {
     for (text, expected_path, expected_message) in cases {
-        let Fault::InvalidParams { path, message } = parsed::<T>(text).unwrap_err() else {
+        let Fault::InvalidParams(fault) = parsed::<T>(text).unwrap_err() else {
             panic!("{text} gave another fault")
         };
-        assert_eq!(&path, expected_path, "{text}");
-        assert_eq!(&message, expected_message, "{text}");
+        assert_eq!(&fault.path.to_string(), expected_path, "{text}");
+        assert_eq!(&fault.message, expected_message, "{text}");
     }
 }
 
@@ -443,7 +443,6 @@ fn a_message_repeats_only_so_much_of_the_request() {
         let fault = parsed::<FrameParams>(&text).unwrap_err().to_string();
         assert!(fault.len() < 1000, "{} bytes", fault.len());
     }
-    assert_eq!(shortened(&"é".repeat(200)).chars().count(), 81);
 }
 
 #[test]
