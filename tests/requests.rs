@@ -5,7 +5,7 @@ mod support;
 use base64::Engine as _;
 use rigd::formats::Source;
 use rigd::limits::Limits;
-use rigd::protocol::Reply;
+use rigd::protocol::ErrorObject;
 use rigd::service::Service;
 use serde_json::{Map, Value, json};
 use sha2::Digest as _;

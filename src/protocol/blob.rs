@@ -84,7 +84,10 @@ pub(super) enum Body {
     Base64(Bytes),
     /// Bytes of an array, little-endian, that travel as a list of its numbers.
     Json(Bytes),
-    Attach { offset: u64, bytes: u64 },
+    Attach {
+        offset: u64,
+        bytes: u64,
+    },
 }
 
 /// What one number of an array is.

@@ -269,7 +269,10 @@ impl<I: Items> Work for Working<I> {
 
 impl<I: Items> Working<I> {
     fn stream(&self, index: usize, done: I::Done, place: Place<Self>) -> Result<(), Fault> {
-        let stream = self.lock().as_ref().and_then(|open| open.responder.stream());
+        let stream = self
+            .lock()
+            .as_ref()
+            .and_then(|open| open.responder.stream());
         let Some(stream) = stream else { return Ok(()) };
         let mut attachments = Attachments::default();
         let item = I::sent(done, &mut attachments);

@@ -55,10 +55,7 @@ impl Dispatch<'_> {
     }
 
     /// For a method that is done when it returns.
-    fn answer<P: DeserializeOwned, R: Serialize>(
-        self,
-        work: impl FnOnce(P) -> Result<R, Fault>,
-    ) {
+    fn answer<P: DeserializeOwned, R: Serialize>(self, work: impl FnOnce(P) -> Result<R, Fault>) {
         let payload = || {
             let result = work(protocol::params(self.params)?)?;
             let mut payload = Payload::new(&result, Attachments::default(), None)?;

@@ -1,11 +1,11 @@
 //! `frame.render`, and how any picture is prepared, drawn and packed. Never lives here: many pictures at a time.
 
 use super::call::Call;
+use super::file_lights;
 use super::pose::of_pose;
 use super::prepared_pose::{EvaluatedPose, PreparedPose};
 use super::response::{Payload, Permit, Responder};
 use super::scene::skinning;
-use super::file_lights;
 use crate::encode::{self, Compression};
 use crate::engine::{RigRef, Terms};
 use crate::frame::Frame;

@@ -88,13 +88,16 @@ fn topology(
     attachments: &mut Attachments,
 ) -> wire::MeshTopology {
     let (vertex_count, triangle_count) = (mesh.vertex_count(), mesh.triangles().len());
-    let mut blob = |dtype, bytes, shape: &[usize]| {
-        Blob::array(dtype, bytes, shape, transport, attachments)
-    };
+    let mut blob =
+        |dtype, bytes, shape: &[usize]| Blob::array(dtype, bytes, shape, transport, attachments);
     let corners: Vec<u32> = mesh.file_triangles().flatten().collect();
     let triangles = blob(Dtype::Uint32, little_endian(corners), &[triangle_count, 3]);
     let mut texcoord_blob = |texcoords: Vec<[f32; 2]>, shape: &[usize]| {
-        blob(Dtype::Float32, little_endian(texcoords.into_flattened()), shape)
+        blob(
+            Dtype::Float32,
+            little_endian(texcoords.into_flattened()),
+            shape,
+        )
     };
     let (mut texcoords, mut corner_texcoords) = (None, None);
     if let Some(shared) = mesh.shared_texcoords() {

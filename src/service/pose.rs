@@ -119,7 +119,11 @@ impl Call {
     }
 
     /// The `pose` of a request.
-    pub fn prepare_pose(&self, pose: wire::Pose, found: &RigRef) -> Result<PreparedPose, FieldFault> {
+    pub fn prepare_pose(
+        &self,
+        pose: wire::Pose,
+        found: &RigRef,
+    ) -> Result<PreparedPose, FieldFault> {
         PreparedPose::new(pose, &self.attached, found).map_err(of_pose)
     }
 }

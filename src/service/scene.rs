@@ -1,8 +1,8 @@
 //! From the fields of a frame request to a [`Scene`].
 
-use super::names::unknown;
 use super::call::Call;
 use super::fault;
+use super::names::unknown;
 use crate::engine::LoadedRig;
 use crate::pose::Skinning;
 use crate::protocol::camera as wire_camera;
@@ -17,11 +17,7 @@ use glam::{DMat4, DVec3};
 
 impl Call {
     /// `rig` is what the default camera frames. Lights of its file are left out: they depend on the pose, and [`Call::draw`] adds them.
-    pub fn scene(
-        &self,
-        params: &wire::FrameParams,
-        rig: &LoadedRig,
-    ) -> Result<Scene, Fault> {
+    pub fn scene(&self, params: &wire::FrameParams, rig: &LoadedRig) -> Result<Scene, Fault> {
         let limits = self.engine().limits();
         let [width, height] = params.size;
         let size = Size::new(width, height, limits).map_err(fault::of_size)?;

@@ -322,8 +322,9 @@ fn arrays_fit_their_schema_and_wrong_ones_do_not() {
         ArrayTransport::Attach,
     ] {
         let mut attachments = Attachments::default();
-        let mut array =
-            |dtype, bytes: Vec<u8>| Blob::array(dtype, bytes.into(), &[1, 3], transport, &mut attachments);
+        let mut array = |dtype, bytes: Vec<u8>| {
+            Blob::array(dtype, bytes.into(), &[1, 3], transport, &mut attachments)
+        };
         let points = array(Dtype::Float32, 0.5_f32.to_le_bytes().repeat(3));
         let vertices = json!({
             "meshes": [{"name": "skin", "vertex_count": 1, "positions": points}],
