@@ -5,7 +5,7 @@
 //!
 //! | room | may name | what lives there |
 //! |---|---|---|
-//! | [`cli`] | [`server`] [`service`] [`engine`] [`client`] [`protocol`] [`formats`] [`encode`] [`frame`] [`scene`] [`spelling`] [`limits`] | `serve`, `render`, `inspect`, `call`, `doctor`, `openrpc` |
+//! | [`cli`] | [`server`] [`service`] [`engine`] [`client`] [`protocol`] [`formats`] [`encode`] [`frame`] [`scene`] [`rig`] [`spelling`] [`limits`] | `serve`, `render`, `inspect`, `call`, `doctor`, `openrpc` |
 //! | [`server`] | [`service`] [`protocol`] [`limits`] | fronts, each with its own framing: bounded lines over TCP; an orderly shutdown; knows no method |
 //! | [`client`] | [`protocol`] | a typed blocking client |
 //! | [`service`] | [`protocol`] [`engine`] [`rig`] [`formats`] [`scene`] [`pose`] [`pick`] [`frame`] [`encode`] [`spelling`] [`limits`] | a request in, a response out; one file for each family of methods; knows no framing and no socket |
@@ -27,7 +27,7 @@
 //! |---|---|
 //! | `wgpu` `pollster` | [`render::gpu`] |
 //! | `bytemuck` | [`render::gpu`] [`render`] [`rig`] [`pose`] [`frame`] [`service`] |
-//! | `bytes` | [`protocol`] [`service`] [`server`] [`client`] [`cli`] |
+//! | `bytes` | [`protocol`] [`service`] [`server`] [`cli`] |
 //! | `png` `gif` `color_quant` | [`encode`] |
 //! | `rayon` | [`engine`] [`render::cpu`] |
 //! | `fearless_simd` | [`render::cpu`] |

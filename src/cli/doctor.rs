@@ -24,7 +24,7 @@ pub(super) fn run(args: &RendererArgs) -> anyhow::Result<()> {
     }
     let loaded = local::load(&engine, &[], &mut Warnings::default())?;
     let service = Service::new(engine, Source::inline_only());
-    let params = wire::FrameParams::of(loaded.name.as_str());
+    let params = wire::FrameParams::of(&*loaded.name);
     let (frame, _) = local::ask::<_, wire::Frame>(&service, "frame.render", &params)?;
     let first = started.elapsed();
     let (again, _) = local::ask::<_, wire::Frame>(&service, "frame.render", &params)?;

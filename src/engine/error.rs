@@ -4,12 +4,13 @@ use crate::formats::LoadError;
 use crate::limits::LimitExceeded;
 use crate::pose::{OutsideLimits, PoseOutOfRange};
 use crate::render::{AdapterError, RenderError};
+use std::sync::Arc;
 
 #[derive(Debug, thiserror::Error)]
 pub enum EngineError {
     /// `loaded` are the names of those that are.
     #[error("no rig named `{rig}` is loaded")]
-    RigNotLoaded { rig: String, loaded: Vec<String> },
+    RigNotLoaded { rig: String, loaded: Vec<Arc<str>> },
     #[error(
         "a rig named `{rig}` is loaded from other files; say `replace` to put this one in its place"
     )]

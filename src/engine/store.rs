@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// A rig as it was loaded.
 #[derive(Debug)]
 pub struct LoadedRig {
-    pub name: String,
+    pub name: Arc<str>,
     /// `sha256:` and 64 hexadecimal digits.
     pub digest: String,
     /// Which reader read each file.
@@ -35,7 +35,7 @@ impl LoadedRig {
             digest,
             dialects,
         } = loaded;
-        let name = name.map_or(stem, str::to_owned);
+        let name = name.map_or_else(|| stem.into(), Arc::from);
         let rig = Arc::new(rig);
         let rest = Posed::new(&Pose::rest(&rig)).map_err(PoseError::from)?;
         let extents = Extents::of(&rest);
@@ -88,7 +88,7 @@ struct Entry {
 }
 
 pub(super) struct Store {
-    entries: Mutex<BTreeMap<String, Entry>>,
+    entries: Mutex<BTreeMap<Arc<str>, Entry>>,
     limits: Limits,
 }
 
@@ -119,7 +119,11 @@ impl Store {
             Some(entry) if entry.loaded.digest == loaded.digest => {
                 return Ok(Arc::clone(&entry.loaded));
             }
-            Some(_) if !replace => return Err(EngineError::RigNameTaken { rig: name }),
+            Some(_) if !replace => {
+                return Err(EngineError::RigNameTaken {
+                    rig: name.to_string(),
+                });
+            }
             _ => {}
         }
         let others = entries.iter().filter(|(other, _)| **other != name);
@@ -194,14 +198,14 @@ impl Store {
         Ok((loaded, clamped))
     }
 
-    fn lock(&self) -> MutexGuard<'_, BTreeMap<String, Entry>> {
+    fn lock(&self) -> MutexGuard<'_, BTreeMap<Arc<str>, Entry>> {
         // Entries are replaced whole, so a panic elsewhere left none half-written.
         self.entries.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 /// The rig of that name, else the first by name that has that digest.
-fn find(entries: &BTreeMap<String, Entry>, rig: &str) -> Result<(String, RigRef), EngineError> {
+fn find(entries: &BTreeMap<Arc<str>, Entry>, rig: &str) -> Result<(Arc<str>, RigRef), EngineError> {
     let by_name = entries.get_key_value(rig);
     let by_digest = || entries.iter().find(|(_, entry)| entry.loaded.digest == rig);
     let (name, entry) = by_name
@@ -216,7 +220,7 @@ fn find(entries: &BTreeMap<String, Entry>, rig: &str) -> Result<(String, RigRef)
         RigRef {
             loaded,
             stored,
-            by_digest: name != rig,
+            by_digest: **name != *rig,
         },
     ))
 }

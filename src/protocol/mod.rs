@@ -35,9 +35,7 @@ pub use envelope::{BadRequest, Request};
 pub use error::{ErrorObject, Fault, InvalidRigFile, Kind, MissingRig};
 pub use field::{FieldFault, FieldPath, Segment, shortened};
 pub use id::Id;
-pub use lines::{
-    Incoming, Notification, Outgoing, Reply, error_line, notification_line, result_line,
-};
+pub use lines::{Incoming, Notification, Outgoing, Reply};
 pub use methods::Method;
 pub use openrpc::openrpc;
 pub use parse::params;

@@ -90,3 +90,19 @@ fn points(numbers: &[f32]) -> impl Iterator<Item = Vec3> {
     let points = numbers.as_chunks().0.iter();
     points.map(|point| Vec3::from_array(*point))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn those_of_vertices_are_those_of_their_points() {
+        for count in [1, 3, 4, 5, 9, 40] {
+            let number = |index: usize| ((index * 7919) % 1013) as f32 - 500.0;
+            let positions: Vec<f32> = (0..3 * count).map(number).collect();
+            let wanted = Bounds::of(points(&positions).map(Vec3::as_dvec3));
+            assert_eq!(Bounds::of_positions(&positions), wanted, "{count}");
+        }
+        assert_eq!(Bounds::of_positions(&[]), None);
+    }
+}

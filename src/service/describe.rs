@@ -30,7 +30,7 @@ pub fn describe_files(
 pub(super) fn summary(loaded: &LoadedRig) -> wire::RigSummary {
     let rig = &loaded.rig;
     wire::RigSummary {
-        name: loaded.name.clone(),
+        name: loaded.name.to_string(),
         digest: loaded.digest.clone(),
         dialects: loaded
             .dialects

@@ -80,3 +80,41 @@ impl DofRow {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::protocol::Attach;
+
+    #[test]
+    fn a_row_is_the_same_however_it_comes() {
+        let numbers = [0.5, -1.25, 3.0, 4.0, 0.0, 1e-3_f32];
+        let attached: Bytes = numbers.map(f32::to_le_bytes).concat().into();
+        let attach = Attach {
+            offset: 0,
+            bytes: attached.len() as u64,
+        };
+        let list = DofValues::List(numbers.map(f64::from).to_vec());
+        for given in [list, DofValues::Attached { attach }] {
+            let row = DofRow::new(given, &attached).unwrap();
+            assert_eq!(row.len(), 6);
+            let part = row.part(1, 2);
+            assert_eq!(part.values().collect::<Vec<f64>>(), [3.0, 4.0]);
+            assert_eq!(part.part(1, 1).value(0), 4.0);
+        }
+    }
+
+    #[test]
+    fn attached_values_are_not_copied() {
+        let attached = Bytes::from(vec![0; 16]);
+        let attach = Attach {
+            offset: 4,
+            bytes: 8,
+        };
+        let row = DofRow::new(DofValues::Attached { attach }, &attached).unwrap();
+        let DofRow::Float32(bytes) = row.part(1, 1) else {
+            panic!("it came attached")
+        };
+        assert_eq!(bytes.as_ptr(), attached[8..].as_ptr());
+    }
+}

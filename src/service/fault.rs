@@ -11,14 +11,12 @@ use crate::spelling::nearest;
 impl From<EngineError> for Fault {
     fn from(error: EngineError) -> Self {
         match error {
-            EngineError::RigNotLoaded { rig, mut loaded } => {
-                let names = loaded.iter().map(String::as_str);
-                let nearest = nearest(&rig, names).map(str::to_owned);
-                loaded.truncate(LISTED);
+            EngineError::RigNotLoaded { rig, loaded } => {
+                let names = loaded.iter().map(|name| &**name);
                 Self::RigNotLoaded(Box::new(MissingRig {
+                    nearest: nearest(&rig, names.clone()).map(str::to_owned),
+                    loaded: names.take(LISTED).map(str::to_owned).collect(),
                     rig,
-                    nearest,
-                    loaded,
                 }))
             }
             EngineError::RigNameTaken { rig } => Self::RigNameTaken { rig },

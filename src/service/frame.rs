@@ -250,3 +250,34 @@ fn described(camera: &Camera) -> wire::FrameCamera {
         cy,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Spare;
+
+    #[test]
+    fn bare_pixels_that_are_attached_go_back_to_their_pool() {
+        let pool = Arc::new(Spare::default());
+        let size = Size {
+            width: 4,
+            height: 2,
+        };
+        let pixels = pool.take(32);
+        let memory = pixels.as_ptr();
+        let packing = Packing {
+            image: wire::ImageFormat::Rgba8,
+            compression: Compression::Fast,
+            transport: PictureTransport::Attach,
+        };
+        let picture = packed(Frame { size, pixels }, packing).unwrap();
+        let mut attachments = Attachments::default();
+        Blob::picture(picture, PictureTransport::Attach, &mut attachments);
+        let parts = attachments.into_parts();
+        assert_eq!(parts[0].as_ptr(), memory, "it was copied");
+        let other = pool.take(32);
+        assert_ne!(other.as_ptr(), memory, "it is not written yet");
+        drop(parts);
+        assert_eq!(pool.take(32).as_ptr(), memory);
+    }
+}

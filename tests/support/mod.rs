@@ -122,13 +122,16 @@ pub fn real_rigs() -> Option<PathBuf> {
 /// What comes of a request's text; `None` for a notification.
 pub fn answer(service: &Arc<Service>, text: &str) -> Option<Response> {
     match protocol::Request::parse(text.as_bytes()) {
-        Ok(request) => service.answer(Request {
-            id: request.id,
-            method: request.method,
-            params: request.params,
-            deadline: None,
-            attached: Bytes::new(),
-        }),
+        Ok(request) => {
+            let due = |ms| Instant::now().checked_add(Duration::from_millis(ms));
+            service.answer(Request {
+                id: request.id,
+                method: request.method,
+                params: request.params,
+                deadline: request.deadline_ms.and_then(due),
+                attached: Bytes::new(),
+            })
+        }
         Err(bad) => Some(service.session().refuse(bad.id, bad.fault).wait()),
     }
 }

@@ -60,7 +60,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
     let engine = args.renderer.open()?;
     request.rig = local::load(&engine, &args.files, &mut warnings)?
         .name
-        .clone();
+        .to_string();
     let service = Service::new(engine, Source::inline_only());
     let params = RigParams {
         rig: request.rig.clone(),
