@@ -32,10 +32,10 @@
 //! | `rayon` | [`engine`] [`render::cpu`] |
 //! | `fearless_simd` | [`render::cpu`] |
 //! | `image` | [`encode`] [`formats`] |
-//! | `cap_std` `sha2` `gltf_json` `spade` | [`formats`] |
+//! | `cap_std` `sha2` `gltf_json` `serde_path_to_error` `spade` | [`formats`] |
 //! | `schemars` | [`protocol`] |
 //! | `strsim` | [`spelling`] |
-//! | `base64_simd` `serde_path_to_error` | [`protocol`] [`formats`] |
+//! | `base64_simd` | [`protocol`] [`formats`] |
 //! | `serde` `serde_json` | [`protocol`] [`service`] [`server`] [`client`] [`cli`] [`formats`] |
 //! | `memory_stats` | [`service`] |
 //! | `clap` `anyhow` `indicatif` `signal_hook` | [`cli`] |

@@ -3,9 +3,9 @@
 
 use super::attach::{Attach, Base64};
 use super::mesh::MeshPart;
-use super::parse::field_error;
-use super::strict::object;
+use super::strict::field_error;
 use schemars::JsonSchema;
+use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
@@ -80,7 +80,7 @@ impl<'de> Visitor<'de> for FileVisitor {
             text,
             base64,
             attach,
-        } = object(members)?;
+        } = FileFields::deserialize(MapAccessDeserializer::new(members))?;
         match (text, base64, attach) {
             (Some(text), None, None) => Ok(RigFile::Text { name, text }),
             (None, Some(base64), None) => Ok(RigFile::Base64 { name, base64 }),

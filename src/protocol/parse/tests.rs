@@ -41,6 +41,11 @@ fn a_fault_in_a_frame_request_has_its_path_and_says_what_was_expected() {
             "unknown field `rigg`; did you mean `rig`?",
         ),
         (
+            r#"{"rig":"a","eye":1}"#,
+            "eye",
+            "unknown field `eye`; expected one of `rig`, `pose`, `skinning`, `show`, `camera`, `lights`, `ambient`, `material`, `background`, `cull`, `size`, `samples`, `out…",
+        ),
+        (
             r#"{"rig":"a","camera":{"kind":"orbit","fovy":1}}"#,
             "camera.fovy",
             "unknown field `fovy`; did you mean `fov_y`?",
