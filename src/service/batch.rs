@@ -2,7 +2,8 @@
 //! Never lives here: what an item is.
 
 use super::call::Call;
-use super::response::{Notification, Payload, Permit, Responder};
+use super::message::{Notification, Payload, Permit};
+use super::response::Responder;
 use crate::engine::{MemoryPermit, Ordered, Place, Terms, Ticket, Work};
 use crate::protocol::{Attachments, Fault, Id};
 use serde::Serialize;

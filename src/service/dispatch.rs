@@ -2,7 +2,8 @@
 
 use super::call::Call;
 use super::in_flight::InFlight;
-use super::response::{Payload, Permit, Responder};
+use super::message::{Payload, Permit};
+use super::response::Responder;
 use crate::protocol::server::Cancel;
 use crate::protocol::{self, Attachments, Done, Fault, Method, NoParams};
 use serde::Serialize;

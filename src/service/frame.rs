@@ -2,9 +2,10 @@
 
 use super::call::Call;
 use super::file_lights;
+use super::message::{Payload, Permit};
 use super::pose::of_pose;
 use super::prepared_pose::{EvaluatedPose, PreparedPose};
-use super::response::{Payload, Permit, Responder};
+use super::response::Responder;
 use super::scene::skinning;
 use crate::encode::{self, Compression};
 use crate::engine::{RigRef, Terms};

@@ -17,6 +17,7 @@ mod frame_batch;
 mod in_flight;
 mod mesh;
 mod mesh_batch;
+mod message;
 mod names;
 mod pick;
 mod pose;
@@ -31,7 +32,8 @@ mod stats;
 mod vertices;
 
 pub use describe::describe_files;
-pub use response::{Message, Notification, Permit, Response, ResponseHandle};
+pub use message::{Message, Notification, Permit, Response};
+pub use response::ResponseHandle;
 pub use session::{Request, Session};
 pub use state::Service;
 pub use stats::Stats;

@@ -2,9 +2,10 @@
 
 use super::call::Call;
 use super::fault;
+use super::message::{Payload, Permit};
 use super::pose::of_pose;
 use super::prepared_pose::EvaluatedPose;
-use super::response::{Payload, Permit, Responder};
+use super::response::Responder;
 use super::scene::skinning;
 use crate::engine::PickQuery;
 use crate::pick::{Hit, What};

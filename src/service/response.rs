@@ -1,87 +1,16 @@
 //! The response to one request: its place, which is filled exactly once by whoever is first, and how it is waited for.
 //! Never lives here: what a response says, and how it is written to a socket.
 
+use super::message::{Message, Notification, Payload, Response};
 use super::stats::Stats;
 use crate::engine::Urgency;
-use crate::protocol::{Attachments, Fault, Id, Method};
-use bytes::Bytes;
-use serde::Serialize;
+use crate::protocol::{Fault, Id, Method};
 use std::collections::VecDeque;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::task::{Context, Poll, Wake, Waker};
 use std::thread::Thread;
 use std::time::{Duration, Instant};
-
-/// What a request comes to.
-#[derive(Debug)]
-pub struct Response {
-    pub id: Id,
-    /// The result as JSON, or why there is none.
-    pub outcome: Result<String, Fault>,
-    /// Raw bytes that the result refers to. Its offsets count from the first byte of the first of them.
-    pub attachments: Vec<Bytes>,
-    pub permit: Option<Permit>,
-}
-
-/// What goes ahead of a response: one item of a streamed batch.
-#[derive(Debug)]
-pub struct Notification {
-    pub method: &'static str,
-    /// As JSON.
-    pub params: String,
-    /// As those of a [`Response`].
-    pub attachments: Vec<Bytes>,
-    pub permit: Option<Permit>,
-}
-
-/// What comes of a request: any number of notifications, then its response.
-#[derive(Debug)]
-pub enum Message {
-    Notification(Notification),
-    Response(Response),
-}
-
-/// Memory that a message takes, given back on drop: to be kept until the message is written.
-pub struct Permit(#[expect(dead_code, reason = "held to be dropped")] Box<dyn Send>);
-
-impl Permit {
-    pub(super) fn new(held: impl Send + 'static) -> Self {
-        Self(Box::new(held))
-    }
-}
-
-impl std::fmt::Debug for Permit {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("Permit")
-    }
-}
-
-/// A result, ready to be sent.
-pub(super) struct Payload {
-    pub json: String,
-    pub attachments: Vec<Bytes>,
-    pub permit: Option<Permit>,
-}
-
-impl Payload {
-    /// # Errors
-    /// Where the result cannot be JSON: a map with keys that are no strings.
-    pub fn new<R: Serialize>(
-        result: &R,
-        attachments: Attachments,
-        permit: Option<Permit>,
-    ) -> Result<Self, Fault> {
-        let json = serde_json::to_string(result).map_err(|error| Fault::Internal {
-            message: error.to_string(),
-        })?;
-        Ok(Self {
-            json,
-            attachments: attachments.into_parts(),
-            permit,
-        })
-    }
-}
 
 struct Slot {
     id: Id,
@@ -359,6 +288,7 @@ fn wake(mut state: MutexGuard<'_, State>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::protocol::Attachments;
     use std::sync::atomic::AtomicUsize;
 
     #[derive(Default)]

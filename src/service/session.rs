@@ -4,7 +4,8 @@
 use super::call::Call;
 use super::dispatch::Dispatch;
 use super::in_flight::InFlight;
-use super::response::{Permit, Response, ResponseHandle, response};
+use super::message::{Permit, Response};
+use super::response::{ResponseHandle, response};
 use super::state::Service;
 use crate::engine::{ConnectionQuota, Urgency};
 use crate::protocol::{Fault, Id, Method};
