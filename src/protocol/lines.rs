@@ -207,7 +207,7 @@ struct ErrorLine<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::protocol::{Fault, Kind, Request};
+    use crate::protocol::{ErrorKind, Fault, Request};
     use serde_json::json;
 
     fn text(line: Vec<u8>) -> String {
@@ -237,7 +237,7 @@ mod tests {
         let Incoming::Reply(read) = Incoming::parse(&error).unwrap() else {
             panic!("it has an outcome");
         };
-        assert_eq!(read.outcome.unwrap_err().kind(), Some(Kind::Cancelled));
+        assert_eq!(read.outcome.unwrap_err().kind(), Some(ErrorKind::Cancelled));
         let ahead = notification_line("frame.ready", &json!({"index": 2}), &attachments).unwrap();
         assert_eq!(
             text(ahead.clone()),

@@ -4,7 +4,6 @@ use crate::engine::{EngineError, Extents, LoadedRig, RigRef};
 use crate::formats::{self, FileRef, Source};
 use crate::limits::Limits;
 use crate::pose::Clamped;
-use crate::protocol::mesh::MeshPart;
 use crate::protocol::pose as wire_pose;
 use crate::protocol::rig as wire;
 use crate::rig::{
@@ -131,8 +130,8 @@ fn dofs_set(channel: &Channel) -> u64 {
     }
 }
 
-pub(super) fn parts(rig: &Rig, mesh: &Mesh) -> Vec<MeshPart> {
-    let part = |part: &Part| MeshPart {
+pub(super) fn parts(rig: &Rig, mesh: &Mesh) -> Vec<wire::MeshPart> {
+    let part = |part: &Part| wire::MeshPart {
         triangle_count: part.triangles.len() as u64,
         material: material_name(rig, part.material),
     };

@@ -146,7 +146,7 @@ impl Conversation {
                 (answer, Some(pending))
             }
             // Nobody hears what a notification comes to, so one that only asks is not worth working on.
-            None if named.is_none_or(|method| !changes_something(method)) => return None,
+            None if named.is_none_or(|method| !method.mutates()) => return None,
             None => (Answer::unheard(named, stats), None),
         };
         match method {
@@ -180,32 +180,6 @@ impl Conversation {
             handle.end(Fault::Cancelled);
         }
         protocol::Done {}
-    }
-}
-
-fn changes_something(method: Method) -> bool {
-    match method {
-        Method::RigLoad
-        | Method::RigUnload
-        | Method::PoseSet
-        | Method::PoseReset
-        | Method::PoseRotate
-        | Method::PoseRoll
-        | Method::RequestCancel => true,
-        Method::RpcDiscover
-        | Method::ServerInfo
-        | Method::ServerPing
-        | Method::ServerStats
-        | Method::RigList
-        | Method::RigDescribe
-        | Method::PoseGet
-        | Method::FrameRender
-        | Method::FrameBatch
-        | Method::MeshVertices
-        | Method::MeshBatch
-        | Method::MeshTopology
-        | Method::ScenePick
-        | Method::JointTransforms => false,
     }
 }
 

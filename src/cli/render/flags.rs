@@ -5,7 +5,7 @@ use super::args::RenderArgs;
 use super::typed::rotation_named;
 use crate::cli::values::Weight;
 use crate::protocol::rig::RigDescription;
-use crate::protocol::{ErrorObject, Kind};
+use crate::protocol::{ErrorKind, ErrorObject};
 use serde_json::Value;
 
 /// The error with options in place of fields. One that is of no option stays as it is.
@@ -22,14 +22,14 @@ pub(super) fn told_by_option(
 fn told(refused: &ErrorObject, args: &RenderArgs, rig: &RigDescription) -> Option<String> {
     let detail = |name| refused.detail(name).and_then(Value::as_str);
     let (option, message) = match refused.kind()? {
-        Kind::InvalidParams => {
+        ErrorKind::InvalidParams => {
             let path = detail("path")?;
             let message = refused.message.strip_prefix(path)?.strip_prefix(": ")?;
             let past_limits = past_limits(path, args, rig);
             let message = past_limits.unwrap_or_else(|| message.to_owned());
             (option_of(path, args)?, message)
         }
-        Kind::LimitExceeded => {
+        ErrorKind::LimitExceeded => {
             let option = match detail("limit")? {
                 "lights" => "--light",
                 "side" | "pixels" | "adapter_side" | "adapter_buffer_bytes" => "--size",
