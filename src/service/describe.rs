@@ -46,7 +46,8 @@ pub(super) fn summary(loaded: &LoadedRig) -> wire::RigSummary {
     }
 }
 
-pub(super) fn description(found: &RigRef) -> wire::RigDescription {
+/// What `rig.describe` answers.
+pub fn description(found: &RigRef) -> wire::RigDescription {
     let rig = &*found.loaded.rig;
     let joints = rig.skeleton().joints();
     let values = found.stored.dof_values();

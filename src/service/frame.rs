@@ -1,17 +1,15 @@
 //! `frame.render` and `frame.batch`.
 
+use super::Call;
 use super::answer::Answer;
 use super::batch::{Course, Items};
+use super::in_process::Subject;
 use super::pose::of_pose;
-use super::scene::of_skinning;
-use super::{Call, describe, file_lights};
 use crate::encode::{self, Compression};
 use crate::engine::{RigRef, Terms};
 use crate::frame::Frame;
-use crate::pose::{Clamped, Posed};
 use crate::protocol::batch::{FrameBatch, FrameBatchParams, FrameChange, FrameReady};
 use crate::protocol::blob::{Blob, Picture, PictureTransport};
-use crate::protocol::camera::{Lights, NamedLights};
 use crate::protocol::frame as wire;
 use crate::protocol::{Attachments, Fault, Id};
 use crate::scene::{Camera, Scene, Size};
@@ -89,19 +87,6 @@ impl Call {
         self.run_batch(items, &course, answer)
     }
 
-    fn subject(&self, params: &wire::FrameParams, found: &RigRef) -> Result<Subject, Fault> {
-        let mut scene = self.scene(params, &found.loaded)?;
-        let (posed, clamped) = self.posed(&params.pose, found).map_err(of_pose)?;
-        if let Some(Lights::Named(NamedLights::File)) = params.lights {
-            scene.lights = file_lights::in_pose(&posed);
-        }
-        Ok(Subject {
-            scene,
-            posed,
-            clamped,
-        })
-    }
-
     /// Draws and packs a picture. `done` runs once.
     fn draw(
         &self,
@@ -114,13 +99,14 @@ impl Call {
         let Subject {
             scene,
             posed,
+            skinning,
             clamped,
         } = subject;
         let vertices = posed.rig().vertex_count() as u64;
         let head = Head {
             camera: described(&scene.camera),
             digest: found.loaded.digest.clone(),
-            clamped: describe::clamped(posed.rig(), &clamped),
+            clamped,
             transport: params.transport,
         };
         let (image, compression) = (params.image, of_compression(params.compression));
@@ -128,7 +114,7 @@ impl Call {
         self.engine().render(
             &found.loaded,
             posed,
-            of_skinning(params.skinning),
+            skinning,
             scene,
             terms,
             move |result| {
@@ -145,13 +131,6 @@ impl Call {
             },
         );
     }
-}
-
-/// What is to be drawn.
-struct Subject {
-    scene: Scene,
-    posed: Arc<Posed>,
-    clamped: Vec<Clamped>,
 }
 
 fn bytes_of(scene: &Scene) -> u64 {

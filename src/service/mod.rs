@@ -9,6 +9,7 @@ mod describe;
 mod fault;
 mod file_lights;
 mod frame;
+mod in_process;
 mod mesh;
 mod mesh_batch;
 mod message;
@@ -22,7 +23,8 @@ mod stats;
 
 pub use crate::protocol::attach::Part;
 pub use answer::{Outgoing, Pending};
-pub use describe::describe_files;
+pub use describe::{describe_files, description};
+pub use in_process::Subject;
 pub use message::{Message, turned_away};
 pub use stats::Stats;
 
