@@ -37,7 +37,7 @@ pub struct Received {
 
 /// What goes ahead of a reply: an item of a streamed batch.
 #[derive(Debug)]
-pub struct Ahead {
+pub struct Notification {
     /// `frame.ready` or `mesh.ready`.
     pub method: String,
     /// A [`FrameReady`](crate::protocol::batch::FrameReady) or a [`MeshReady`](crate::protocol::batch::MeshReady).
@@ -49,7 +49,7 @@ pub struct Ahead {
 /// One message of the server's.
 #[derive(Debug)]
 pub enum Message {
-    Ahead(Ahead),
+    Notification(Notification),
     Reply(Received),
 }
 
@@ -288,7 +288,7 @@ impl Client {
                 outcome: reply.outcome,
                 attached,
             }),
-            Incoming::Notification(notification) => Message::Ahead(Ahead {
+            Incoming::Notification(notification) => Message::Notification(Notification {
                 method: notification.method,
                 params: notification.params,
                 attached,

@@ -1,19 +1,18 @@
-//! A service in this process, for subcommands that need no daemon.
+//! An engine in this process, for subcommands that need no daemon. Never lives here: what is drawn.
 
 use super::terminal::Warnings;
 use super::{RendererArgs, builtin};
-use crate::engine::{AdapterChoice, Engine, LoadedRig, RendererChoice};
+use crate::engine::{
+    AdapterChoice, Engine, LoadedRig, RendererChoice, RigRef, Terms, Timings, Urgency,
+};
 use crate::formats::Source;
+use crate::frame::Frame;
 use crate::limits::Limits;
-use crate::protocol::{ErrorObject, Id};
-use crate::service::{Request, ResponseHandle, Service, Session};
-use anyhow::Context;
-use bytes::Bytes;
-use serde::Serialize;
-use serde::de::DeserializeOwned;
-use serde_json::value::to_raw_value;
+use crate::protocol::Fault;
+use crate::service::Subject;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
+use std::sync::mpsc::{self, Receiver};
 
 impl RendererArgs {
     pub(super) fn threads(&self) -> Option<NonZeroUsize> {
@@ -57,39 +56,46 @@ pub(super) fn load(
     Ok(loaded)
 }
 
-/// Asks a service of this process; raw bytes that come with the response are given beside it.
-pub(super) fn ask<P: Serialize, R: DeserializeOwned>(
-    service: &Arc<Service>,
-    method: &str,
-    params: &P,
-) -> anyhow::Result<(R, Bytes)> {
-    read(begin(&mut service.session(), method, params)?)
-}
-
-/// Asks without waiting; several requests of one session may be on their way.
-pub(super) fn begin<P: Serialize>(
-    session: &mut Session,
-    method: &str,
-    params: &P,
-) -> anyhow::Result<ResponseHandle> {
-    let response = session.begin(Request {
-        id: Some(Id::Null),
-        method: method.to_owned(),
-        params: Some(to_raw_value(params)?),
-        deadline: None,
-        attached: Bytes::new(),
+/// Begins to draw. What `then` makes of the picture, on a thread of the engine's pool, is received once.
+pub(super) fn draw<T: Send + 'static>(
+    engine: &Engine,
+    rig: &RigRef,
+    subject: Subject,
+    then: impl FnOnce(Frame, Timings) -> Result<T, Fault> + Send + 'static,
+) -> Result<Drawing<T>, Fault> {
+    let Subject {
+        scene,
+        posed,
+        skinning,
+        ..
+    } = subject;
+    let terms = terms(engine)?;
+    let (sender, receiver) = mpsc::sync_channel(1);
+    engine.render(&rig.loaded, posed, skinning, scene, terms, move |drawn| {
+        let drawn = drawn.map_err(Fault::from);
+        let made = drawn.and_then(|(frame, timings)| then(frame, timings));
+        // Nobody receives it where an earlier picture failed.
+        let _ = sender.send(made);
     });
-    response.context("a request with an id is answered")
+    Ok(Drawing(receiver))
 }
 
-/// Waits for what was asked.
-pub(super) fn read<R: DeserializeOwned>(handle: ResponseHandle) -> anyhow::Result<(R, Bytes)> {
-    let mut response = handle.wait();
-    let result = response.outcome.map_err(ErrorObject::from)?;
-    let attached = match response.attachments.as_mut_slice() {
-        // The usual case, without a copy.
-        [only] => std::mem::take(only),
-        parts => parts.concat().into(),
-    };
-    Ok((serde_json::from_str(&result)?, attached))
+/// Something of the engine's that is still on its way.
+pub(super) struct Drawing<T>(pub Receiver<Result<T, Fault>>);
+
+impl<T> Drawing<T> {
+    pub fn wait(self) -> Result<T, Fault> {
+        self.0.recv().unwrap_or_else(|_| {
+            let message = "the renderer failed at this picture".to_owned();
+            Err(Fault::Internal { message })
+        })
+    }
+}
+
+/// Those of work that nobody cancels.
+pub(super) fn terms(engine: &Engine) -> Result<Terms, Fault> {
+    Ok(Terms {
+        urgency: Urgency::default(),
+        ticket: engine.admission().admit()?,
+    })
 }

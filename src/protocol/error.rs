@@ -109,26 +109,26 @@ impl Fault {
         }
     }
 
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> ErrorKind {
         match self {
             Self::Within { fault, .. } => fault.kind(),
-            Self::ParseError { .. } => Kind::ParseError,
-            Self::InvalidRequest { .. } | Self::InvalidMember(_) => Kind::InvalidRequest,
-            Self::MethodNotFound { .. } => Kind::MethodNotFound,
-            Self::InvalidParams(_) => Kind::InvalidParams,
-            Self::Internal { .. } => Kind::Internal,
-            Self::RigNotLoaded(_) => Kind::RigNotLoaded,
-            Self::RigFileInvalid(_) => Kind::RigFileInvalid,
-            Self::RigNameTaken { .. } => Kind::RigNameTaken,
-            Self::LimitExceeded { .. } => Kind::LimitExceeded,
-            Self::Unauthorized => Kind::Unauthorized,
-            Self::Busy { .. } => Kind::Busy,
-            Self::DeviceLost => Kind::DeviceLost,
-            Self::DeadlineExceeded => Kind::DeadlineExceeded,
-            Self::ShuttingDown => Kind::ShuttingDown,
-            Self::FileNotFound { .. } => Kind::FileNotFound,
-            Self::PathNotAllowed { .. } => Kind::PathNotAllowed,
-            Self::Cancelled => Kind::Cancelled,
+            Self::ParseError { .. } => ErrorKind::ParseError,
+            Self::InvalidRequest { .. } | Self::InvalidMember(_) => ErrorKind::InvalidRequest,
+            Self::MethodNotFound { .. } => ErrorKind::MethodNotFound,
+            Self::InvalidParams(_) => ErrorKind::InvalidParams,
+            Self::Internal { .. } => ErrorKind::Internal,
+            Self::RigNotLoaded(_) => ErrorKind::RigNotLoaded,
+            Self::RigFileInvalid(_) => ErrorKind::RigFileInvalid,
+            Self::RigNameTaken { .. } => ErrorKind::RigNameTaken,
+            Self::LimitExceeded { .. } => ErrorKind::LimitExceeded,
+            Self::Unauthorized => ErrorKind::Unauthorized,
+            Self::Busy { .. } => ErrorKind::Busy,
+            Self::DeviceLost => ErrorKind::DeviceLost,
+            Self::DeadlineExceeded => ErrorKind::DeadlineExceeded,
+            Self::ShuttingDown => ErrorKind::ShuttingDown,
+            Self::FileNotFound { .. } => ErrorKind::FileNotFound,
+            Self::PathNotAllowed { .. } => ErrorKind::PathNotAllowed,
+            Self::Cancelled => ErrorKind::Cancelled,
         }
     }
 
@@ -193,9 +193,9 @@ macro_rules! kinds {
     ($($(#[doc = $doc:literal])* $variant:ident $name:literal $code:literal $retryable:literal,)*) => {
         /// What went wrong, in one word. Clients branch on this and not on the code, since two kinds may share one.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-        pub enum Kind { $($(#[doc = $doc])* $variant,)* }
+        pub enum ErrorKind { $($(#[doc = $doc])* $variant,)* }
 
-        impl Kind {
+        impl ErrorKind {
             pub const ALL: &[Self] = &[$(Self::$variant,)*];
 
             /// As the wire spells it.
@@ -257,7 +257,7 @@ kinds! {
     Cancelled "cancelled" -32010 false,
 }
 
-impl Kind {
+impl ErrorKind {
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|kind| kind.name() == name)
     }
@@ -288,8 +288,8 @@ pub struct ErrorData {
 
 impl ErrorObject {
     /// `None` for a kind that this version does not know.
-    pub fn kind(&self) -> Option<Kind> {
-        Kind::named(&self.data.kind)
+    pub fn kind(&self) -> Option<ErrorKind> {
+        ErrorKind::named(&self.data.kind)
     }
 
     /// The member of `data` of that name.
@@ -338,13 +338,13 @@ mod tests {
             (-32009, "path_not_allowed", false),
             (-32010, "cancelled", false),
         ];
-        let kinds: Vec<_> = Kind::ALL
+        let kinds: Vec<_> = ErrorKind::ALL
             .iter()
             .map(|kind| (kind.code(), kind.name(), kind.retryable()))
             .collect();
         assert_eq!(kinds, table);
         for (_, name, _) in table {
-            assert_eq!(Kind::named(name).map(Kind::name), Some(name));
+            assert_eq!(ErrorKind::named(name).map(ErrorKind::name), Some(name));
         }
     }
 

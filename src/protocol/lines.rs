@@ -144,7 +144,7 @@ struct RequestLine<'a, P: ?Sized> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::protocol::{Fault, Kind, Request};
+    use crate::protocol::{ErrorKind, Fault, Request};
     use serde_json::json;
 
     #[test]
@@ -154,7 +154,7 @@ mod tests {
         let Incoming::Reply(read) = Incoming::parse(error.to_string().as_bytes()).unwrap() else {
             panic!("it has an outcome");
         };
-        assert_eq!(read.outcome.unwrap_err().kind(), Some(Kind::Cancelled));
+        assert_eq!(read.outcome.unwrap_err().kind(), Some(ErrorKind::Cancelled));
         let ahead =
             br#"{"jsonrpc":"2.0","method":"frame.ready","params":{"index":2},"attach_bytes":3}"#;
         let Incoming::Notification(read) = Incoming::parse(ahead).unwrap() else {

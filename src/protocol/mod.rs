@@ -32,7 +32,7 @@ mod strict;
 pub use attach::{Attach, Attachments};
 pub use blob::{Blob, BlobError};
 pub use envelope::{BadRequest, Request};
-pub use error::{ErrorObject, Fault, InvalidRigFile, Kind, MissingRig};
+pub use error::{ErrorKind, ErrorObject, Fault, InvalidRigFile, MissingRig};
 pub use field::{FieldFault, FieldPath, Segment, shortened};
 pub use id::Id;
 pub use lines::{Incoming, Notification, Outgoing, Reply};

@@ -2,7 +2,6 @@
 //! Never lives here: the formats of those files.
 
 use super::attach::{Attach, Base64};
-use super::mesh::MeshPart;
 use super::strict::field_error;
 use schemars::JsonSchema;
 use serde::de::value::MapAccessDeserializer;
@@ -234,6 +233,14 @@ pub struct MeshDescription {
     pub parts: Vec<MeshPart>,
     /// Whether `mesh.topology` has `texcoords` or `corner_texcoords` for it.
     pub has_texcoords: bool,
+}
+
+/// Triangles of a mesh that are made of one material.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct MeshPart {
+    pub triangle_count: u64,
+    /// Null where the file names none.
+    pub material: Option<String>,
 }
 
 /// A named surface.

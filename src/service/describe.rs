@@ -4,7 +4,6 @@ use crate::engine::{EngineError, Extents, LoadedRig, RigRef};
 use crate::formats::{self, FileRef, Source};
 use crate::limits::Limits;
 use crate::pose::Clamped;
-use crate::protocol::mesh::MeshPart;
 use crate::protocol::pose as wire_pose;
 use crate::protocol::rig as wire;
 use crate::rig::{
@@ -47,7 +46,8 @@ pub(super) fn summary(loaded: &LoadedRig) -> wire::RigSummary {
     }
 }
 
-pub(super) fn description(found: &RigRef) -> wire::RigDescription {
+/// What `rig.describe` answers.
+pub fn description(found: &RigRef) -> wire::RigDescription {
     let rig = &*found.loaded.rig;
     let joints = rig.skeleton().joints();
     let values = found.stored.dof_values();
@@ -129,8 +129,8 @@ fn dofs_set(channel: &Channel) -> u64 {
     }
 }
 
-pub(super) fn parts(rig: &Rig, mesh: &Mesh) -> Vec<MeshPart> {
-    let part = |part: &Part| MeshPart {
+pub(super) fn parts(rig: &Rig, mesh: &Mesh) -> Vec<wire::MeshPart> {
+    let part = |part: &Part| wire::MeshPart {
         triangle_count: part.triangles.len() as u64,
         material: material_name(rig, part.material),
     };

@@ -1,22 +1,18 @@
-//! `frame.render`, and how any picture is prepared, drawn and packed. Never lives here: many pictures at a time.
+//! `frame.render`, and how any picture is drawn and packed. Never lives here: many pictures at a time.
 
 use super::call::Call;
-use super::file_lights;
 use super::message::{Payload, Permit};
 use super::pose::of_pose;
-use super::prepared_pose::{EvaluatedPose, PreparedPose};
+use super::prepared_frame::{Packing, Subject};
 use super::response::Responder;
-use super::scene::skinning;
-use crate::encode::{self, Compression};
+use crate::encode;
 use crate::engine::{RigRef, Terms};
 use crate::frame::Frame;
-use crate::pose::Skinning;
-use crate::protocol::blob::{Blob, Picture, PictureTransport};
-use crate::protocol::camera::{Lights, NamedLights};
+use crate::protocol::blob::{Blob, Picture};
 use crate::protocol::frame as wire;
 use crate::protocol::pose::Clamped;
-use crate::protocol::{Attachments, Fault, FieldFault};
-use crate::scene::{Camera, Scene, Size};
+use crate::protocol::{Attachments, Fault};
+use crate::scene::{Camera, Size};
 use bytes::Bytes;
 use glam::DMat4;
 use std::collections::BTreeMap;
@@ -34,17 +30,15 @@ pub(super) fn bytes_of_picture(pixels: u64) -> u64 {
 impl Call {
     pub fn render(
         &self,
-        mut params: wire::FrameParams,
+        params: wire::FrameParams,
     ) -> Result<impl FnOnce(Responder) + use<>, Fault> {
         let rig = Arc::new(self.engine().rig(&params.rig)?);
-        let scene = self.scene(&params, &rig.loaded)?;
-        let pose = self.prepare_pose(std::mem::take(&mut params.pose), &rig)?;
-        let frame = PreparedFrame::new(&params, rig, Arc::new(pose), scene);
-        let (memory, terms) = self.admit(bytes_of_picture(frame.scene.size.pixels() as u64))?;
-        let pose = frame.evaluate().map_err(of_pose)?;
+        let frame = self.prepare_frame(params, &rig)?;
+        let (memory, terms) = self.admit(bytes_of_picture(frame.pixels()))?;
+        let subject = frame.evaluate().map_err(of_pose)?;
         let call = self.clone();
         Ok(move |responder: Responder| {
-            call.draw(frame, pose, terms, move |packed| {
+            call.draw(&rig, subject, frame.packing, terms, move |packed| {
                 responder.respond(packed.and_then(|packed| {
                     let mut attachments = Attachments::default();
                     let frame = packed.sent(&mut attachments);
@@ -54,26 +48,21 @@ impl Call {
         })
     }
 
-    /// Draws a picture and packs it. `pose` is the one that it has asked for. `done` runs once.
+    /// Draws a picture of a rig and packs it. `done` runs once.
     pub fn draw(
         &self,
-        frame: PreparedFrame,
-        pose: EvaluatedPose,
+        rig: &RigRef,
+        subject: Subject,
+        packing: Packing,
         terms: Terms,
         done: impl FnOnce(Result<PackedFrame, Fault>) + Send + 'static,
     ) {
-        let PreparedFrame {
-            rig,
+        let Subject {
+            scene,
+            posed,
             skinning,
-            mut scene,
-            lights_of_file,
-            packing,
-            ..
-        } = frame;
-        let EvaluatedPose { posed, clamped } = pose;
-        if lights_of_file {
-            scene.lights = file_lights::in_pose(&posed);
-        }
+            clamped,
+        } = subject;
         let vertices = posed.rig().vertex_count() as u64;
         let caption = Caption {
             camera: described(&scene.camera),
@@ -87,7 +76,7 @@ impl Call {
             Ok(PackedFrame {
                 caption,
                 picture,
-                transport: packing.transport,
+                packing,
                 timings: stats.rendered(1, vertices, timings, started.elapsed()),
             })
         };
@@ -95,63 +84,6 @@ impl Call {
         engine.render(&rig.loaded, posed, skinning, scene, terms, move |drawn| {
             done(drawn.map_err(Fault::from).and_then(pack));
         });
-    }
-}
-
-/// A picture to be drawn, in plain types: everything is checked that can be told before its pose is worked out.
-pub(super) struct PreparedFrame {
-    pub rig: Arc<RigRef>,
-    pub pose: Arc<PreparedPose>,
-    pub skinning: Skinning,
-    pub scene: Scene,
-    /// Whether the lights are those of the rig's file, which depend on the pose.
-    pub lights_of_file: bool,
-    pub packing: Packing,
-}
-
-/// How a picture is packed.
-#[derive(Clone, Copy)]
-pub(super) struct Packing {
-    pub image: wire::ImageFormat,
-    pub compression: Compression,
-    pub transport: PictureTransport,
-}
-
-impl PreparedFrame {
-    /// The pose of `params` is passed over.
-    pub fn new(
-        params: &wire::FrameParams,
-        rig: Arc<RigRef>,
-        pose: Arc<PreparedPose>,
-        scene: Scene,
-    ) -> Self {
-        Self {
-            rig,
-            pose,
-            skinning: skinning(params.skinning),
-            scene,
-            lights_of_file: matches!(params.lights, Some(Lights::Named(NamedLights::File))),
-            packing: Packing {
-                image: params.image,
-                compression: compression(params.compression),
-                transport: params.transport,
-            },
-        }
-    }
-
-    /// Works the pose out. A fault is as seen from the pose.
-    pub fn evaluate(&self) -> Result<EvaluatedPose, FieldFault> {
-        self.pose.evaluate(&self.rig)
-    }
-
-    /// Bytes as it is written, as far as they are known before it is drawn.
-    pub fn least_bytes(&self) -> u64 {
-        let pixels = self.scene.size.pixels() as u64;
-        match self.packing.image {
-            wire::ImageFormat::Rgba8 => written_bytes(4 * pixels, self.packing.transport),
-            // Of a plain color next to nothing is left.
-            wire::ImageFormat::Png => 0,
-        }
     }
 }
 
@@ -166,7 +98,7 @@ struct Caption {
 pub(super) struct PackedFrame {
     caption: Caption,
     picture: Picture,
-    transport: PictureTransport,
+    packing: Packing,
     timings: wire::Timings,
 }
 
@@ -176,11 +108,11 @@ impl PackedFrame {
         let Self {
             caption,
             picture,
-            transport,
+            packing,
             timings,
         } = self;
         let [width, height] = picture.size();
-        let color = Blob::picture(picture, transport, attachments);
+        let color = Blob::picture(picture, packing.transport, attachments);
         wire::Frame {
             width,
             height,
@@ -196,9 +128,8 @@ impl PackedFrame {
         }
     }
 
-    /// As it is written.
     pub fn written_bytes(&self) -> u64 {
-        written_bytes(self.picture.bytes() as u64, self.transport)
+        self.packing.written_bytes(self.picture.bytes() as u64)
     }
 }
 
@@ -224,22 +155,6 @@ fn packed(frame: Frame, packing: Packing) -> Result<Picture, Fault> {
     })
 }
 
-fn written_bytes(bytes: u64, transport: PictureTransport) -> u64 {
-    match transport {
-        PictureTransport::Attach => bytes,
-        // Themselves, and as text.
-        PictureTransport::Base64 => bytes + bytes.div_ceil(3) * 4,
-    }
-}
-
-fn compression(compression: wire::Compression) -> Compression {
-    match compression {
-        wire::Compression::Fast => Compression::Fast,
-        wire::Compression::Default => Compression::Default,
-        wire::Compression::Best => Compression::Best,
-    }
-}
-
 fn described(camera: &Camera) -> wire::FrameCamera {
     let [fx, fy, cx, cy] = camera.intrinsics();
     wire::FrameCamera {
@@ -255,7 +170,9 @@ fn described(camera: &Camera) -> wire::FrameCamera {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::encode::Compression;
     use crate::frame::Spare;
+    use crate::protocol::blob::PictureTransport;
 
     #[test]
     fn bare_pixels_that_are_attached_go_back_to_their_pool() {

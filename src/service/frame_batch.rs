@@ -2,8 +2,9 @@
 
 use super::batch::{Batch, Items};
 use super::call::Call;
-use super::frame::{PackedFrame, PreparedFrame, bytes_of_picture};
+use super::frame::{PackedFrame, bytes_of_picture};
 use super::pose::of_pose;
+use super::prepared_frame::PreparedFrame;
 use super::prepared_pose::PreparedPose;
 use super::response::Responder;
 use crate::engine::{RigRef, Terms};
@@ -101,20 +102,14 @@ impl FrameItems {
         let own_pose = change.pose.take();
         let params: wire::FrameParams = change.over(&self.common);
         let rig = &self.rigs[&params.rig];
-        let scene = self.call.scene(&params, &rig.found.loaded)?;
-        let pose = match own_pose {
-            Some(pose) => self.checked(*pose, &rig.found)?,
-            None => {
-                let checked = || self.checked(self.pose.clone(), &rig.found);
-                rig.common_pose.get_or_init(checked).clone()?
-            }
-        };
-        Ok(PreparedFrame::new(
-            &params,
-            Arc::clone(&rig.found),
-            pose,
-            scene,
-        ))
+        self.call
+            .prepare_frame_in(&params, &rig.found, || match own_pose {
+                Some(pose) => self.checked(*pose, &rig.found),
+                None => {
+                    let checked = || self.checked(self.pose.clone(), &rig.found);
+                    rig.common_pose.get_or_init(checked).clone()
+                }
+            })
     }
 
     fn checked(&self, pose: Pose, found: &RigRef) -> Result<Arc<PreparedPose>, FieldFault> {
@@ -145,7 +140,7 @@ impl Items for FrameItems {
     }
 
     fn least_bytes(&self, prepared: &PreparedFrame) -> u64 {
-        prepared.least_bytes()
+        prepared.packing.least_bytes(prepared.pixels())
     }
 
     fn start(
@@ -155,8 +150,9 @@ impl Items for FrameItems {
         terms: Terms,
         done: impl FnOnce(Result<PackedFrame, Fault>) + Send + 'static,
     ) {
+        let PreparedFrame { rig, packing, .. } = &prepared;
         match prepared.evaluate() {
-            Ok(pose) => self.call.draw(prepared, pose, terms, done),
+            Ok(subject) => self.call.draw(rig, subject, *packing, terms, done),
             Err(fault) => done(Err(of_pose(fault).within(("frames", index)).into())),
         }
     }

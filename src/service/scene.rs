@@ -16,7 +16,7 @@ use crate::scene::{
 use glam::{DMat4, DVec3};
 
 impl Call {
-    /// `rig` is what the default camera frames. Lights of its file are left out: they depend on the pose, and [`Call::draw`] adds them.
+    /// `rig` is what the default camera frames. Lights of its file are left out: they depend on the pose, and evaluating a frame adds them.
     pub fn scene(&self, params: &wire::FrameParams, rig: &LoadedRig) -> Result<Scene, Fault> {
         let limits = self.engine().limits();
         let [width, height] = params.size;

@@ -69,7 +69,7 @@ impl Session {
         let method = Method::named(&method);
         let named = method.as_ref().ok().copied();
         // Nobody hears what a notification comes to, so one that only asks is not worth working on.
-        if id.is_none() && !named.is_some_and(changes_something) {
+        if id.is_none() && !named.is_some_and(Method::mutates) {
             return None;
         }
         let urgency = Urgency {
@@ -113,31 +113,5 @@ impl Session {
         let (responder, handle) = response(id, None, Urgency::default(), &self.service.stats);
         responder.respond(Err(fault));
         handle
-    }
-}
-
-fn changes_something(method: Method) -> bool {
-    match method {
-        Method::RigLoad
-        | Method::RigUnload
-        | Method::PoseSet
-        | Method::PoseReset
-        | Method::PoseRotate
-        | Method::PoseRoll
-        | Method::RequestCancel => true,
-        Method::RpcDiscover
-        | Method::ServerInfo
-        | Method::ServerPing
-        | Method::ServerStats
-        | Method::RigList
-        | Method::RigDescribe
-        | Method::PoseGet
-        | Method::FrameRender
-        | Method::FrameBatch
-        | Method::MeshVertices
-        | Method::MeshBatch
-        | Method::MeshTopology
-        | Method::ScenePick
-        | Method::JointTransforms => false,
     }
 }

@@ -2,9 +2,9 @@
 
 use super::shots::Motion;
 use crate::cli::files::{self, Destination, Unfinished, numbered};
-use crate::encode::{AnimatedGif, AnimatedPng, Compression, FrameRate};
+use crate::encode::{self, AnimatedGif, AnimatedPng, Compression, FrameRate};
 use crate::frame::Frame;
-use crate::protocol::frame::ImageFormat;
+use crate::protocol::Fault;
 use crate::scene::Size;
 use anyhow::{Context, bail};
 use std::fs::{self, File};
@@ -33,14 +33,6 @@ impl Format {
                 "--output: expected a name that ends in .png, .gif or .apng, or - for a PNG to standard output, but found `{}`",
                 path.display()
             ),
-        }
-    }
-
-    /// What to ask a frame as.
-    pub fn image(self) -> ImageFormat {
-        match self {
-            Self::Png => ImageFormat::Png,
-            Self::Gif | Self::Apng => ImageFormat::Rgba8,
         }
     }
 }
@@ -83,7 +75,18 @@ impl Reel {
         }
     }
 
-    /// `picture` is as [`Format::image`] has it.
+    /// What is to be made of a frame, on any thread, before it is pushed: a PNG file, or bare pixels for an animation.
+    pub fn packing(&self) -> impl FnOnce(Frame) -> Result<Vec<u8>, Fault> + Send + use<> {
+        let (format, compression) = (self.terms.format, self.terms.compression);
+        move |frame| match format {
+            Format::Png => encode::png(&frame, compression).map_err(|error| Fault::Internal {
+                message: error.to_string(),
+            }),
+            Format::Gif | Format::Apng => Ok(frame.pixels.into_vec()),
+        }
+    }
+
+    /// `picture` is as [`Reel::packing`] makes it.
     pub fn push(&mut self, picture: Vec<u8>) -> anyhow::Result<()> {
         let (number, size) = (self.taken, self.size);
         self.taken += 1;
