@@ -40,7 +40,7 @@
 //! | `clap` `anyhow` `indicatif` `signal_hook` | [`cli`] |
 //! | `std::net` | [`server`] [`client`] |
 //! | `std::fs` | [`formats`] [`cli`] |
-//! | `libm` | [`pose`] [`scene`] [`rig`] [`formats`] [`render::cpu`] |
+//! | `libm` | [`pose`] [`scene`] [`rig`] [`formats`] [`render`] |
 //!
 //! `glam` and `thiserror` are at home everywhere.
 //!
@@ -52,7 +52,8 @@
 //! - The thread that owns the device never parses, compresses or touches a socket. Nothing unbounded is ever kept for a client.
 //! - [`render::cpu`] gives the same bytes for the same plan on every machine: sums in a written order, each operation rounded once.
 //! - An accepted request is answered exactly once, also when the device is lost, a client vanishes or the server stops.
-//! - Skinning happens once for a pose, into one buffer that pictures and queries read: both are of the same pose.
+//! - Skinning gives model space, the same for every instance of a pose; an instance's transform comes after it. Picture and vertices of one
+//!   plan are of the same skin, and where a picture skins a pose, queries read its vertices.
 
 #![forbid(unsafe_code)]
 // They panic where nobody reads on or a disk is full; `cli::terminal` does not.

@@ -12,6 +12,7 @@ pub mod quads;
 pub mod random;
 pub mod rules;
 pub mod server;
+pub mod shot;
 pub mod suite;
 
 use rigd::engine::{Engine, EngineError, RendererChoice};

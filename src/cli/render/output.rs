@@ -3,7 +3,7 @@
 use super::shots::Motion;
 use crate::cli::files::{self, Destination, Unfinished, numbered};
 use crate::encode::{AnimatedGif, AnimatedPng, Compression, FrameRate};
-use crate::frame::Frame;
+use crate::frame::{ImageKind, Raster};
 use crate::protocol::frame::ImageFormat;
 use crate::scene::Size;
 use anyhow::{Context, bail};
@@ -95,11 +95,13 @@ impl Reel {
             }
             (Destination::File(path), Format::Gif | Format::Apng) => {
                 let context = format!("cannot write {}", path.display());
-                let pixels = picture.into();
+                let raster = Raster {
+                    kind: ImageKind::Color,
+                    size,
+                    bytes: picture.into(),
+                };
                 let begun = &mut self.animation;
-                self.terms
-                    .animate(path, begun, &Frame { size, pixels })
-                    .context(context)
+                self.terms.animate(path, begun, &raster).context(context)
             }
         }
     }
@@ -164,7 +166,7 @@ impl Terms {
         &self,
         path: &Path,
         begun: &mut Option<(Animation, Unfinished)>,
-        frame: &Frame,
+        frame: &Raster,
     ) -> anyhow::Result<()> {
         let (animation, _) = match begun {
             Some(begun) => begun,
