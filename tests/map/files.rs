@@ -43,7 +43,7 @@ impl<'a> Files<'a> {
             _ => {}
         }
         if names.modules.contains(first) {
-            return self.find_below(&[module, &[first.clone()]].concat(), rest, steps);
+            return self.find_below(&[module, std::slice::from_ref(first)].concat(), rest, steps);
         }
         let mut imports = names.imports.iter();
         if let Some(import) = imports.find(|import| import.name == *first) {

@@ -53,10 +53,11 @@ fn rooms(named: &[Vec<String>]) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     for path in named.iter().filter(|path| path[0] == "crate") {
         found.extend(path.get(1).cloned());
+        let sides = ["render::gpu", "render::cpu"].into_iter();
         found.extend(
-            ["render::gpu", "render::cpu"]
-                .into_iter()
-                .filter_map(|side| is_below(&path[1..], side).then(|| side.to_owned())),
+            sides
+                .filter(|side| is_below(&path[1..], side))
+                .map(str::to_owned),
         );
     }
     found
