@@ -8,9 +8,9 @@ export NODEVICE_SELECT = 1
 
 ## Draws the built-in figure through a running daemon: pictures, vertices and answers in out/. Needs nothing but cargo.
 demo:
-	$(CARGO) build --release --locked --bin rigd --example contact_sheet
+	$(CARGO) build --release --locked --package rigd --package contact_sheet
 	target=$$($(CARGO) metadata --format-version 1 --no-deps | sed -n 's/.*"target_directory":"\([^"]*\)".*/\1/p'); \
-	sh scripts/demo.sh "$$target/release/rigd" "$$target/release/examples/contact_sheet" out
+	sh scripts/demo.sh "$$target/release/rigd" "$$target/release/contact_sheet" out
 
 ## Everything that has to hold before a change is taken. What draws is tested twice: rigd's own renderer, then wgpu.
 test: setup

@@ -59,6 +59,7 @@
 // They panic where nobody reads on or a disk is full; `cli::terminal` does not.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod client;
 pub mod encode;

@@ -1,6 +1,6 @@
 //! Do the README's examples do what it says, and is its picture what the program draws?
 
-#[path = "../examples/contact_sheet.rs"]
+#[path = "../examples/contact_sheet/src/main.rs"]
 #[allow(dead_code, reason = "its main writes the picture")]
 mod contact_sheet;
 mod support;
