@@ -14,14 +14,14 @@ demo:
 
 ## Everything that has to hold before a change is taken. What draws is tested twice: rigd's own renderer, then wgpu.
 test: setup
-	$(CARGO) fmt --check
-	$(CARGO) clippy --locked --all-targets -- -D warnings
+	$(CARGO) fmt --all --check
+	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	$(CARGO) run --locked -- doctor
-	$(CARGO) test --locked
-	sh scripts/test_wgpu.sh $(CARGO)
+	$(CARGO) build --locked --lib --no-default-features
+	sh scripts/test.sh $(CARGO)
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --no-deps --document-private-items
 
-## What the tests need beyond cargo: the tools that the README's examples use, and a software Vulkan driver for the wgpu renderer.
+## What the tests need beyond cargo: the tools that the README's examples use, and software drivers for the wgpu renderer.
 setup:
 	sh scripts/setup.sh
 
