@@ -4,7 +4,7 @@ CARGO ?= cargo
 # Mesa's choice among several GPUs asks a display for its opinion, and complains where there is none.
 export NODEVICE_SELECT = 1
 
-.PHONY: demo test setup bench clean
+.PHONY: demo test test-aarch64 gpu-bundle setup bench clean
 
 ## Draws the built-in figure through a running daemon: pictures, vertices and answers in out/. Needs nothing but cargo.
 demo:
@@ -20,6 +20,14 @@ test: setup
 	$(CARGO) build --locked --lib --no-default-features
 	sh scripts/test.sh $(CARGO)
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --no-deps --document-private-items
+
+## The accepted pictures and vertices, by a program for AArch64 under emulation. Takes long to build.
+test-aarch64:
+	sh scripts/test_aarch64.sh $(CARGO)
+
+## A folder that tells, on another x86-64 Linux machine with a Vulkan driver, how rigd does on its GPU: copy it there and run ./check.sh.
+gpu-bundle:
+	sh scripts/gpu_bundle.sh $(CARGO) out/gpu-bundle
 
 ## What the tests need beyond cargo: the tools that the README's examples use, and software drivers for the wgpu renderer.
 setup:

@@ -17,7 +17,6 @@ use rigd::scene::{
     Background, Bounds, Camera, Color, Cull, Light, LookAt, Near, Samples, Scene, Shape, Show,
     Size, Surface, VertexQuery,
 };
-use std::path::PathBuf;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 use support::pictures::{Image, encoded};
 
@@ -142,7 +141,7 @@ fn seen(name: &str, draft: Draft, scene: Scene) -> Option<Image> {
         panic!("a picture was asked for");
     };
     let image = Image::from_bytes([SIDE as usize; 2], &frame.pixels);
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("coats");
+    let folder = support::places::output("coats");
     image.write(&folder.join(format!("{name}.png")));
     Some(image)
 }
