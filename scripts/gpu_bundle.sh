@@ -5,13 +5,13 @@ set -eu
 
 cargo=$1
 bundle=$2
-# Parity with rigd's own renderer, vertices against the oracle, and rates.
-tests="twins coats gpu_coats extensions skinning throughput"
+# Parity with rigd's own renderer, and vertices against the oracle.
+tests="twins coats gpu_coats extensions skinning"
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
 set --
-for test in $tests; do
+for test in $tests throughput; do
     set -- "$@" --test "$test"
 done
 "$cargo" test --release --locked --no-run --bin rigd "$@" --message-format=json-render-diagnostics >"$log"
@@ -19,12 +19,13 @@ done
 built() { sed -n "s/.*\"kind\":\[\"$1\"\].*\"name\":\"$2\".*\"test\":$3.*\"executable\":\"\([^\"]*\)\".*/\1/p" "$log" | tail -n 1; }
 
 rm -rf "$bundle"
-mkdir -p "$bundle/bin" "$bundle/assets"
+mkdir -p "$bundle/bin" "$bundle/tests" "$bundle/assets"
 cp "$(built bin rigd false)" "$bundle/bin/rigd"
+cp "$(built test throughput true)" "$bundle/bin/throughput"
 for test in $tests; do
-    cp "$(built test "$test" true)" "$bundle/bin/$test"
+    cp "$(built test "$test" true)" "$bundle/tests/$test"
 done
-strip "$bundle"/bin/*
+strip "$bundle"/bin/* "$bundle"/tests/*
 cp -R assets/cse169 assets/mit6837 assets/gltf "$bundle/assets/"
 cp LICENSE-APACHE LICENSE-MIT "$bundle/"
 cp scripts/gpu_check.sh "$bundle/check.sh"
