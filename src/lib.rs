@@ -1,7 +1,8 @@
 //! The code map of `rigd`, a daemon that keeps character rigs loaded, poses and skins them, and answers with pictures and vertices.
 //!
 //! # Rooms and arrows
-//! A room may name the rooms to its right and no other; `tests/map.rs` holds the source against this table.
+//! A room may name the rooms to its right and no other, and re-exports nothing of them. Files do not need each other in circles; those below
+//! a `mod.rs` may name what it declares. `tests/map` holds the source against all this.
 //!
 //! | room | may name | what lives there |
 //! |---|---|---|
@@ -59,6 +60,7 @@
 // They panic where nobody reads on or a disk is full; `cli::terminal` does not.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod client;
 pub mod encode;

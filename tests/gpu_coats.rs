@@ -8,7 +8,7 @@ use rigd::frame::Outputs;
 use rigd::limits::Limits;
 use rigd::pose::{Pose, Posed, Skinning};
 use rigd::render::gpu::Gpu;
-use rigd::render::{AdapterChoice, AdapterError, Instance, Plan};
+use rigd::render::{Instance, Plan, Skin};
 use rigd::rig::{
     BindPose, BindingDraft, Draft, Encoding, JointDraft, Material, MeshDraft, MorphDraft,
     NormalMap, Opacity, PartDraft, Rig, Texture, TextureLevel, TexturePlace, TextureTransform,
@@ -18,24 +18,13 @@ use rigd::scene::{
     Background, Bounds, Camera, Color, Cull, Light, LookAt, Near, Samples, Shape, Show, Size,
     Surface, VertexQuery,
 };
-use std::path::PathBuf;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
-use support::note;
 use support::pictures::{Image, encoded};
 use support::quads::image;
 use support::shot::Shot;
 
-static GPU: LazyLock<Option<Mutex<Gpu>>> = LazyLock::new(|| {
-    let choice = AdapterChoice::Named("llvmpipe".to_owned());
-    match Gpu::open(&choice, false) {
-        Ok(gpu) => Some(Mutex::new(gpu)),
-        Err(AdapterError::NoMatch { .. } | AdapterError::None) => {
-            note("SKIPPED: there is no software adapter");
-            None
-        }
-        Err(error) => panic!("{error}"),
-    }
-});
+static GPU: LazyLock<Option<Mutex<Gpu>>> =
+    LazyLock::new(|| support::adapters::gpu_on(&support::adapters::wgpu_adapter()).map(Mutex::new));
 
 const SIDE: u32 = 64;
 
@@ -152,7 +141,7 @@ fn run(plan: &Plan) -> Option<Outputs> {
 fn seen(name: &str, draft: Draft, scene: Shot) -> Option<Image> {
     let plan = scene.plan(posed(&built(draft)), Skinning::Linear, 2.0);
     let image = image(run(&plan)?);
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("coats");
+    let folder = support::places::output("coats");
     image.write(&folder.join(format!("{name}.png")));
     Some(image)
 }
@@ -494,7 +483,13 @@ fn panes_of_one_mesh_and_of_several_instances_are_sorted_together() {
         let [first, ..] = &rigs;
         let mut plan = clear().plan(Arc::clone(first), Skinning::Linear, 2.0);
         let (_, appearance) = clear().split();
-        let instances = rigs.map(|posed| Instance::shown(posed, Skinning::Linear, appearance, 2.0));
+        let instances = rigs.map(|posed| {
+            if posed.rig().vertex_count() == 0 {
+                // Shown, it would be a skeleton.
+                return Instance::new(Skin::new(posed, Shape::Posed, Skinning::Linear));
+            }
+            Instance::shown(posed, Skinning::Linear, appearance, 2.0)
+        });
         plan.instances = instances.to_vec();
         let Some(outputs) = run(&plan) else { return };
         let image = image(outputs);
@@ -936,9 +931,8 @@ fn a_texture_that_two_materials_wear_takes_memory_once() {
         }
     };
     // A device of its own, as others draw on the shared one meanwhile.
-    let choice = AdapterChoice::Named("llvmpipe".to_owned());
-    let Ok(mut gpu) = Gpu::open(&choice, false) else {
-        return note("SKIPPED: there is no software adapter");
+    let Some(mut gpu) = support::adapters::gpu_on(&support::adapters::wgpu_adapter()) else {
+        return;
     };
     let mut grown_by = |draft: Draft| {
         let before = gpu.memory_bytes();
