@@ -2,7 +2,7 @@
 //!
 //! The built-in figure, and, where they lie beside the checkout, characters of the two courses and of glTF.
 
-use rigd::engine::{Engine, RendererChoice, Terms, Urgency};
+use rigd::engine::{Cancellation, Engine, JobContext, RendererChoice};
 use rigd::formats::{File, FileRef, Source, load};
 use rigd::limits::Limits;
 use rigd::pose::{Pose, Posed, Skinning};
@@ -105,14 +105,15 @@ fn to_device(engine: &Engine, character: &Character) -> Duration {
         let rig = Arc::clone(&loaded.expect("it loads").rig);
         let posed = Arc::new(Posed::new(&Pose::rest(&rig)).expect("the rest pose"));
         let query = VertexQuery {
+            instance: 0,
             mesh: 0,
             start: 0,
             count: 1,
             positions: true,
             normals: false,
         };
-        let terms = Terms {
-            urgency: Urgency::default(),
+        let context = JobContext {
+            cancellation: Cancellation::default(),
             ticket: engine.admission().admit().expect("room"),
         };
         let (sender, receiver) = sync_channel(1);
@@ -123,7 +124,7 @@ fn to_device(engine: &Engine, character: &Character) -> Duration {
             Skinning::Linear,
             Shape::Posed,
             vec![query],
-            terms,
+            context,
             done,
         );
         assert!(receiver.recv().expect("an answer"));

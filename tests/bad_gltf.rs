@@ -10,7 +10,6 @@ use rigd::protocol::ErrorObject;
 use rigd::render::cpu::skin_mesh;
 use rigd::service::Service;
 use serde_json::{Value, json};
-use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 use support::everything::{
@@ -1175,7 +1174,7 @@ fn a_buffer_is_found_beside_its_file_or_nowhere() {
 
 #[test]
 fn a_buffer_outside_of_the_root_is_not_opened() {
-    let base = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("bad_gltf");
+    let base = support::places::output("bad_gltf");
     let root = base.join("root");
     std::fs::create_dir_all(&root).expect("a folder of the tests' own");
     let gltf = good();

@@ -4,20 +4,19 @@
 mod support;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
+use rigd::render::Plan;
 use rigd::render::cpu::Cores;
-use rigd::render::gpu::Gpu;
-use rigd::render::{AdapterChoice, AdapterError, Plan};
 use rigd::rig::{
     Draft, Encoding, Highlight, Material, NormalMap, Opacity, TexturePlace, TextureTransform, Wrap,
 };
 use rigd::scene::{
-    Background, Bounds, Camera, Color, Cull, Light, LookAt, Near, Samples, Scene, Show,
-    ShowNormals, ShowSkeleton, ShowSkin, Surface,
+    Background, Bounds, Camera, Color, Cull, Light, LookAt, Near, Samples, Show, ShowNormals,
+    ShowSkeleton, ShowSkin, Surface,
 };
 use support::alike::{self, SHARE_OF_ALL};
-use support::note;
 use support::pictures::{Image, encoded, linear};
 use support::quads::{Quad, by_gpu, draft, lit, own, painted, plan, quad, scaled, scene, texture};
+use support::shot::Shot;
 
 const RED: [u8; 4] = [255, 0, 0, 255];
 const GREEN: [u8; 4] = [0, 255, 0, 255];
@@ -31,7 +30,7 @@ fn srgb(color: [f64; 3]) -> [u8; 4] {
     [r, g, b, 255]
 }
 
-fn drawn(draft: Draft, scene: Scene) -> Image {
+fn drawn(draft: Draft, scene: Shot) -> Image {
     own(&plan(draft, scene), Cores::One)
 }
 
@@ -723,7 +722,12 @@ fn a_flat_part_is_lit_by_its_own_normals() {
 }
 
 /// A picture of everything at once, from beside.
-fn still_life(size: [u32; 2], samples: Samples, eye: DVec3) -> Plan {
+fn still_life(
+    size: [u32; 2],
+    samples: Samples,
+    eye: DVec3,
+    change: impl FnOnce(&mut Shot),
+) -> Plan {
     let texel = |x: u32, y: u32| {
         let [r, g] = [x, y].map(|at| (16 * at) as u8);
         [
@@ -867,6 +871,7 @@ fn still_life(size: [u32; 2], samples: Samples, eye: DVec3) -> Plan {
     scene.ambient = Color::constant(0.1, 0.1, 0.12);
     scene.lights = Light::default_pair();
     scene.background = Background::new([0.2, 0.2, 0.25, 0.5]).expect("a color");
+    change(&mut scene);
     plan(draft(&quads), scene)
 }
 
@@ -879,23 +884,17 @@ fn still_lives() -> Vec<(String, bool, Plan)> {
         ("in the midst", DVec3::new(0.3, -0.2, 0.5)),
     ] {
         for samples in [Samples::One, Samples::Four] {
-            let of = |plan: &mut Plan, change: &dyn Fn(&mut Scene)| {
-                if let rigd::render::Wanted::Picture(picture) = &mut plan.wanted {
-                    change(&mut picture.scene);
-                }
-            };
             let has_one = samples == Samples::One;
-            let plan = || still_life([150, 130], samples, eye);
-            plans.push((format!("{name}, {samples:?}"), has_one, plan()));
-            let mut translucent = plan();
-            of(&mut translucent, &|scene| scene.show = show(0.6));
+            let size = [150, 130];
+            let plain = still_life(size, samples, eye, |_| {});
+            plans.push((format!("{name}, {samples:?}"), has_one, plain));
+            let translucent = still_life(size, samples, eye, |scene| scene.show = show(0.6));
             plans.push((
                 format!("{name}, {samples:?}, translucent"),
                 has_one,
                 translucent,
             ));
-            let mut overruled = plan();
-            of(&mut overruled, &|scene| {
+            let overruled = still_life(size, samples, eye, |scene| {
                 scene.cull = Cull::Never;
                 let diffuse = Some(Color::constant(0.7, 0.6, 0.9));
                 scene.surface = Surface::new(diffuse, None, Some(3.0)).expect("a surface");
@@ -919,13 +918,8 @@ fn one_core_and_all_draw_the_same_bytes() {
 
 #[test]
 fn both_renderers_agree() {
-    let Ok(llvmpipe) = "llvmpipe".parse::<AdapterChoice>();
-    let mut gpu = match Gpu::open(&llvmpipe, false) {
-        Ok(gpu) => gpu,
-        Err(AdapterError::NoMatch { .. } | AdapterError::None) => {
-            return note("SKIPPED: there is no software Vulkan driver");
-        }
-        Err(error) => panic!("{error}"),
+    let Some(mut gpu) = support::adapters::gpu_on(&support::adapters::wgpu_adapter()) else {
+        return;
     };
     let (mut off, mut all) = (0, 0);
     for (name, has_one_sample, plan) in still_lives() {

@@ -2,12 +2,13 @@
 
 mod support;
 
-use rigd::engine::{Engine, EngineError, LoadedRig, RendererChoice, Terms, Urgency};
+use rigd::engine::{Cancellation, Engine, EngineError, JobContext, LoadedRig};
 use rigd::formats::Source;
+use rigd::frame::Outputs;
 use rigd::limits::Limits;
 use rigd::pose::{Pose, PoseEdit, Posed, Skinning};
+use rigd::render::Plan;
 use rigd::render::gpu::Gpu;
-use rigd::render::{AdapterChoice, AdapterError, Outputs, Plan};
 use rigd::scene::{
     Background, Camera, Cull, Light, Orbit, Samples, Scene, Shape, Show, ShowNormals, ShowSkeleton,
     ShowSkin, Size, Surface, VertexQuery,
@@ -15,6 +16,7 @@ use rigd::scene::{
 use serde_json::json;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
+use support::shot::Shot;
 use support::{ask, ask_ok};
 
 #[test]
@@ -86,7 +88,7 @@ fn mixed_plans(rig: &LoadedRig) -> Vec<Plan> {
                 ..Orbit::default()
             };
             let show = Show::new(ShowSkin::Posed, skeleton, ShowNormals::Smooth, opacity);
-            let scene = Scene {
+            let scene = Shot {
                 size,
                 samples,
                 camera: Camera::orbit(orbit, &rig.extents.bounds(), size).expect("a camera"),
@@ -99,10 +101,11 @@ fn mixed_plans(rig: &LoadedRig) -> Vec<Plan> {
             };
             let skinning = [Skinning::Linear, Skinning::DualQuaternion][index % 2];
             let posed = Arc::clone(&poses[index % poses.len()]);
-            Plan::picture(posed, skinning, scene, rig.extents.bounds().size())
+            scene.plan(posed, skinning, rig.extents.bounds().size())
         };
     let vertices = |index: usize, start: usize, count: usize, positions: bool, normals: bool| {
         let query = VertexQuery {
+            instance: 0,
             mesh: 0,
             start,
             count,
@@ -131,32 +134,15 @@ fn mixed_plans(rig: &LoadedRig) -> Vec<Plan> {
 
 /// An engine on this adapter, and the figure; `None` where there is no such adapter.
 fn figure_on(adapter: &str) -> Option<(Engine, Arc<LoadedRig>)> {
-    let Ok(adapter) = adapter.parse();
-    let choice = RendererChoice {
-        adapter,
-        ..RendererChoice::default()
-    };
-    let engine = match Engine::open(choice, Limits::default()) {
-        Ok(engine) => engine,
-        Err(EngineError::Adapter(AdapterError::NoMatch { .. } | AdapterError::None)) => {
-            support::note("SKIPPED: there is no such adapter");
-            return None;
-        }
-        Err(error) => panic!("{error}"),
-    };
+    let engine = support::adapters::engine_on(adapter, Limits::default())?;
     let rig = engine.load(None, &rigd::cli::figure(), &Source::inline_only(), false);
     Some((engine, rig.expect("the built-in figure loads")))
 }
 
 #[test]
 fn plans_that_share_a_submission_give_what_each_gives_alone() {
-    let Ok(vulkan) = "vulkan".parse::<AdapterChoice>();
-    let mut gpu = match Gpu::open(&vulkan, false) {
-        Ok(gpu) => gpu,
-        Err(AdapterError::NoMatch { .. } | AdapterError::None) => {
-            return support::note("SKIPPED: there is no such adapter");
-        }
-        Err(error) => panic!("{error}"),
+    let Some(mut gpu) = support::adapters::gpu_on("vulkan") else {
+        return;
     };
     let (_, rig) = figure_on("cpu").expect("it needs no adapter");
     let plans = mixed_plans(&rig);
@@ -213,6 +199,7 @@ fn a_plan_that_is_refused_takes_no_other_with_it() {
     let posed = Arc::new(Posed::new(&Pose::rest(&rig.rig)).expect("the rest pose"));
     let ask = |index: usize, count: usize| {
         let query = VertexQuery {
+            instance: 0,
             mesh: 0,
             start: 0,
             count,
@@ -220,8 +207,8 @@ fn a_plan_that_is_refused_takes_no_other_with_it() {
             normals: false,
         };
         let ticket = engine.admission().admit().expect("room");
-        let terms = Terms {
-            urgency: Urgency::default(),
+        let context = JobContext {
+            cancellation: Cancellation::default(),
             ticket,
         };
         let sender = sender.clone();
@@ -235,7 +222,7 @@ fn a_plan_that_is_refused_takes_no_other_with_it() {
             Skinning::Linear,
             Shape::Posed,
             vec![query],
-            terms,
+            context,
             done,
         );
     };

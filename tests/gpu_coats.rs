@@ -4,35 +4,27 @@
 mod support;
 
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
+use rigd::frame::Outputs;
 use rigd::limits::Limits;
 use rigd::pose::{Pose, Posed, Skinning};
 use rigd::render::gpu::Gpu;
-use rigd::render::{AdapterChoice, AdapterError, Instance, Outputs, Plan};
+use rigd::render::{Instance, Plan, Skin};
 use rigd::rig::{
     BindPose, BindingDraft, Draft, Encoding, JointDraft, Material, MeshDraft, MorphDraft,
     NormalMap, Opacity, PartDraft, Rig, Texture, TextureLevel, TexturePlace, TextureTransform,
     Wrap,
 };
 use rigd::scene::{
-    Background, Bounds, Camera, Color, Cull, Light, LookAt, Near, Samples, Scene, Shape, Show,
-    Size, Surface, VertexQuery,
+    Background, Bounds, Camera, Color, Cull, Light, LookAt, Near, Samples, Shape, Show, Size,
+    Surface, VertexQuery,
 };
-use std::path::PathBuf;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
-use support::note;
 use support::pictures::{Image, encoded};
+use support::quads::image;
+use support::shot::Shot;
 
-static GPU: LazyLock<Option<Mutex<Gpu>>> = LazyLock::new(|| {
-    let choice = AdapterChoice::Named("llvmpipe".to_owned());
-    match Gpu::open(&choice, false) {
-        Ok(gpu) => Some(Mutex::new(gpu)),
-        Err(AdapterError::NoMatch { .. } | AdapterError::None) => {
-            note("SKIPPED: there is no software adapter");
-            None
-        }
-        Err(error) => panic!("{error}"),
-    }
-});
+static GPU: LazyLock<Option<Mutex<Gpu>>> =
+    LazyLock::new(|| support::adapters::gpu_on(&support::adapters::wgpu_adapter()).map(Mutex::new));
 
 const SIDE: u32 = 64;
 
@@ -119,8 +111,8 @@ fn camera(eye: [f64; 3]) -> Camera {
 }
 
 /// Seen straight on, the wall fills the picture; the light is even and white, so that a pixel is what is scattered.
-fn scene() -> Scene {
-    Scene {
+fn scene() -> Shot {
+    Shot {
         size: Size {
             width: SIDE,
             height: SIDE,
@@ -146,13 +138,10 @@ fn run(plan: &Plan) -> Option<Outputs> {
 }
 
 /// The picture, also written where somebody can look at it. `None` where there is nothing to draw with.
-fn seen(name: &str, draft: Draft, scene: Scene) -> Option<Image> {
-    let plan = Plan::picture(posed(&built(draft)), Skinning::Linear, scene, 2.0);
-    let Outputs::Picture(frame) = run(&plan)? else {
-        panic!("a picture was asked for");
-    };
-    let image = Image::from_bytes([SIDE as usize; 2], &frame.pixels);
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("coats");
+fn seen(name: &str, draft: Draft, scene: Shot) -> Option<Image> {
+    let plan = scene.plan(posed(&built(draft)), Skinning::Linear, 2.0);
+    let image = image(run(&plan)?);
+    let folder = support::places::output("coats");
     image.write(&folder.join(format!("{name}.png")));
     Some(image)
 }
@@ -193,7 +182,7 @@ fn color_texture_and_vertex_color_multiply() {
 
 #[test]
 fn a_request_has_the_last_word_on_color_and_highlight() {
-    let given = Scene {
+    let given = Shot {
         surface: Surface {
             diffuse: Some(Color::constant(0.1, 0.2, 0.3)),
             ..scene().surface
@@ -212,7 +201,7 @@ fn a_request_has_the_last_word_on_color_and_highlight() {
         }),
         ..painted([0.2, 0.0, 0.0, 1.0])
     };
-    let lit = Scene {
+    let lit = Shot {
         lights: vec![Light::directional(DVec3::NEG_Z, Color::WHITE, 1.0).expect("a light")],
         ambient: Color::constant(0.0, 0.0, 0.0),
         surface: Surface::default(),
@@ -239,7 +228,7 @@ fn vertex_colors_need_no_material_and_walls_beside_them_stay_white() {
         materials: vec![painted([1.0, 1.0, 1.0, 1.0])],
         ..Draft::default()
     };
-    let white = Scene {
+    let white = Shot {
         surface: Surface {
             diffuse: Some(Color::WHITE),
             ..scene().surface
@@ -260,7 +249,7 @@ fn vertex_colors_need_no_material_and_walls_beside_them_stay_white() {
 
 #[test]
 fn what_is_unlit_is_shown_as_it_is_and_what_glows_needs_no_light() {
-    let dark = || Scene {
+    let dark = || Shot {
         ambient: Color::constant(0.0, 0.0, 0.0),
         ..scene()
     };
@@ -306,7 +295,7 @@ fn a_mask_cuts_out_and_shows_what_is_behind() {
     let mut draft = single(cut);
     draft.meshes.push(of_material(wall(-0.5), 1));
     draft.materials.push(painted([0.0, 0.0, 1.0, 1.0]));
-    let four = Scene {
+    let four = Shot {
         samples: Samples::Four,
         ..scene()
     };
@@ -329,21 +318,21 @@ fn glass(color: [f32; 4]) -> Material {
 }
 
 /// Before nothing.
-fn clear() -> Scene {
-    Scene {
+fn clear() -> Shot {
+    Shot {
         background: Background::new([0.0; 4]).expect("nothing"),
         ..scene()
     }
 }
 
-fn of_opacity(scene: Scene, opacity: f64) -> Scene {
+fn of_opacity(scene: Shot, opacity: f64) -> Shot {
     let show = Show::new(
         Default::default(),
         Default::default(),
         Default::default(),
         opacity,
     );
-    Scene {
+    Shot {
         show: show.expect("an opacity"),
         ..scene
     }
@@ -440,7 +429,7 @@ fn panes_show_farthest_first_whatever_their_order_in_the_file() {
             ("three", 5.0, 3),
             ("three_from_behind", -5.0, 3),
         ] {
-            let from = Scene {
+            let from = Shot {
                 samples,
                 camera: camera([0.0, 0.0, eye]),
                 ..clear()
@@ -492,14 +481,18 @@ fn panes_of_one_mesh_and_of_several_instances_are_sorted_together() {
     for rigs in [[&around, &bare, &between], [&between, &bare, &around]] {
         let rigs = rigs.map(posed);
         let [first, ..] = &rigs;
-        let mut plan = Plan::picture(Arc::clone(first), Skinning::Linear, clear(), 2.0);
-        let instances = rigs.map(|posed| Instance::new(posed, Shape::Posed, Skinning::Linear));
+        let mut plan = clear().plan(Arc::clone(first), Skinning::Linear, 2.0);
+        let (_, appearance) = clear().split();
+        let instances = rigs.map(|posed| {
+            if posed.rig().vertex_count() == 0 {
+                // Shown, it would be a skeleton.
+                return Instance::new(Skin::new(posed, Shape::Posed, Skinning::Linear));
+            }
+            Instance::shown(posed, Skinning::Linear, appearance, 2.0)
+        });
         plan.instances = instances.to_vec();
         let Some(outputs) = run(&plan) else { return };
-        let Outputs::Picture(frame) = outputs else {
-            panic!("a picture was asked for");
-        };
-        let image = Image::from_bytes([SIDE as usize; 2], &frame.pixels);
+        let image = image(outputs);
         assert_shows(&image, &wanted);
     }
 }
@@ -539,7 +532,7 @@ fn panes_are_laid_over_each_other_sample_by_sample() {
     let mut draft = stack(&[RED_GLASS, GREEN_GLASS].map(glass), &[(0.2, 1), (0.0, 0)]);
     let corners = draft.meshes.iter_mut().flat_map(|mesh| &mut mesh.positions);
     corners.for_each(|corner| corner.x = corner.x.min(1.0 / SIDE as f32));
-    let four = Scene {
+    let four = Shot {
         samples: Samples::Four,
         ..clear()
     };
@@ -577,7 +570,7 @@ fn a_single_sided_pane_shows_its_front_alone_unless_asked_for() {
             &[GREEN_GLASS, GREEN_GLASS, RED_GLASS],
         ),
     ] {
-        let Some(image) = seen(name, draft(), Scene { cull, ..clear() }) else {
+        let Some(image) = seen(name, draft(), Shot { cull, ..clear() }) else {
             return;
         };
         assert_shows(&image, wanted);
@@ -621,7 +614,7 @@ fn a_single_sided_wall_is_not_seen_from_behind_unless_asked_for() {
             ..painted([1.0, 0.0, 0.0, 1.0])
         })
     };
-    let from = |z: f64, cull: Cull| Scene {
+    let from = |z: f64, cull: Cull| Shot {
         camera: camera([0.0, 0.0, z]),
         cull,
         ..scene()
@@ -683,7 +676,7 @@ fn beyond_its_edges_a_texture_is_repeated_mirrored_or_held() {
 
 #[test]
 fn a_normal_map_leans_red_to_the_right_and_green_up_on_its_picture() {
-    let lit_from = |direction: [f64; 3]| Scene {
+    let lit_from = |direction: [f64; 3]| Shot {
         lights: vec![
             Light::directional(-DVec3::from_array(direction), Color::WHITE, 1.0).expect("a light"),
         ],
@@ -763,7 +756,7 @@ fn where_the_place_on_the_map_does_not_move_normals_stay() {
             height: None,
             near: Near(None),
         };
-        Scene {
+        Shot {
             camera: Camera::look_at(look, &Bounds::ORIGIN, scene().size).expect("a camera"),
             lights: vec![Light::directional(DVec3::NEG_ONE, Color::WHITE, 1.0).expect("a light")],
             ambient: Color::constant(0.0, 0.0, 0.0),
@@ -807,7 +800,7 @@ fn a_flat_part_is_lit_by_its_triangles() {
         draft.meshes[0].parts[0].is_flat = is_flat;
         draft
     };
-    let ahead = || Scene {
+    let ahead = || Shot {
         lights: vec![Light::directional(DVec3::NEG_Z, Color::WHITE, 1.0).expect("a light")],
         ambient: Color::constant(0.0, 0.0, 0.0),
         ..scene()
@@ -865,6 +858,7 @@ fn each_of_many_meshes_follows_its_own_joint_and_is_found_again() {
     let all: Vec<usize> = (0..59).collect();
     for meshes in [&all[..], &[3], &[58], &[5, 6, 7, 20, 41, 42]] {
         let query = |&mesh: &usize| VertexQuery {
+            instance: 0,
             mesh,
             start: 1,
             count: rig.meshes()[mesh].vertex_count() - 1,
@@ -874,10 +868,7 @@ fn each_of_many_meshes_follows_its_own_joint_and_is_found_again() {
         let queries = meshes.iter().map(query).collect();
         let plan = Plan::vertices(posed(&rig), Skinning::Linear, Shape::Posed, queries);
         let Some(outputs) = run(&plan) else { return };
-        let Outputs::Vertices(found) = outputs else {
-            panic!("vertices were asked for");
-        };
-        for (&mesh, found) in meshes.iter().zip(&found) {
+        for (&mesh, found) in meshes.iter().zip(&outputs.vertices) {
             let place = Vec3::new((mesh % 8) as f32, (mesh / 8) as f32, 0.0);
             let lifted = |vertex: usize| if (mesh, vertex) == (7, 3) { 2.0 } else { 0.0 };
             let own = rig.meshes()[mesh].positions().iter().enumerate();
@@ -905,7 +896,7 @@ fn a_crowd_of_meshes_is_drawn_where_it_stands() {
         near: Near(None),
     };
     let size = scene().size;
-    let crowded = Scene {
+    let crowded = Shot {
         camera: Camera::look_at(look, &Bounds::ORIGIN, size).expect("a camera"),
         surface: Surface {
             diffuse: Some(Color::WHITE),
@@ -940,14 +931,13 @@ fn a_texture_that_two_materials_wear_takes_memory_once() {
         }
     };
     // A device of its own, as others draw on the shared one meanwhile.
-    let choice = AdapterChoice::Named("llvmpipe".to_owned());
-    let Ok(mut gpu) = Gpu::open(&choice, false) else {
-        return note("SKIPPED: there is no software adapter");
+    let Some(mut gpu) = support::adapters::gpu_on(&support::adapters::wgpu_adapter()) else {
+        return;
     };
     let mut grown_by = |draft: Draft| {
         let before = gpu.memory_bytes();
         let rig = built(draft);
-        let plan = Plan::picture(posed(&rig), Skinning::Linear, scene(), 2.0);
+        let plan = scene().plan(posed(&rig), Skinning::Linear, 2.0);
         let in_flight = gpu.submit(&[&plan]).expect("room");
         gpu.finish(in_flight).expect("a picture");
         let grown = gpu.memory_bytes() - before;

@@ -7,7 +7,7 @@ use rigd::limits::Limits;
 use rigd::service::Service;
 use serde_json::{Value, json};
 use std::io::Cursor;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
 use support::alike::{self, SHARE_OF_ALL};
 use support::pictures::{draw, over};
@@ -124,8 +124,7 @@ fn see_through(service: &Arc<Service>) -> Value {
 }
 
 fn case_path(name: &str) -> PathBuf {
-    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases/course");
-    cases.join(name)
+    support::places::repository("tests/cases/course").join(name)
 }
 
 fn case(name: &str) -> String {
@@ -340,7 +339,7 @@ fn cases_load_with_one_warning_for_each_oddity() {
 
 #[test]
 fn both_renderers_draw_an_obj_alike() {
-    let Some(wgpu) = support::service_on("llvmpipe") else {
+    let Some(wgpu) = support::service_on(&support::adapters::wgpu_adapter()) else {
         return;
     };
     let (mut off, mut all) = (0, 0);

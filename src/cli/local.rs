@@ -3,10 +3,10 @@
 use super::terminal::Warnings;
 use super::{RendererArgs, builtin};
 use crate::engine::{
-    AdapterChoice, Engine, LoadedRig, RendererChoice, RigRef, Terms, Timings, Urgency,
+    AdapterChoice, Cancellation, Engine, JobContext, LoadedRig, RendererChoice, RigRef, Timings,
 };
 use crate::formats::Source;
-use crate::frame::Frame;
+use crate::frame::{ImageKind, Raster};
 use crate::limits::Limits;
 use crate::protocol::Fault;
 use crate::service::Subject;
@@ -56,24 +56,22 @@ pub(super) fn load(
     Ok(loaded)
 }
 
-/// Begins to draw. What `then` makes of the picture, on a thread of the engine's pool, is received once.
+/// Begins to draw. What `then` makes of the color picture, on a thread of the engine's pool, is received once.
 pub(super) fn draw<T: Send + 'static>(
     engine: &Engine,
     rig: &RigRef,
     subject: Subject,
-    then: impl FnOnce(Frame, Timings) -> Result<T, Fault> + Send + 'static,
+    then: impl FnOnce(Raster, Timings) -> Result<T, Fault> + Send + 'static,
 ) -> Result<Drawing<T>, Fault> {
-    let Subject {
-        scene,
-        posed,
-        skinning,
-        ..
-    } = subject;
-    let terms = terms(engine)?;
+    let context = job_context(engine)?;
     let (sender, receiver) = mpsc::sync_channel(1);
-    engine.render(&rig.loaded, posed, skinning, scene, terms, move |drawn| {
-        let drawn = drawn.map_err(Fault::from);
-        let made = drawn.and_then(|(frame, timings)| then(frame, timings));
+    engine.render(subject.query(&rig.loaded), context, move |drawn| {
+        let made = drawn.map_err(Fault::from).and_then(|(outputs, timings)| {
+            let mut images = outputs.images.into_iter();
+            let color = images.find(|raster| raster.kind == ImageKind::Color);
+            let message = "the renderer drew no color picture".to_owned();
+            then(color.ok_or(Fault::Internal { message })?, timings)
+        });
         // Nobody receives it where an earlier picture failed.
         let _ = sender.send(made);
     });
@@ -92,10 +90,10 @@ impl<T> Drawing<T> {
     }
 }
 
-/// Those of work that nobody cancels.
-pub(super) fn terms(engine: &Engine) -> Result<Terms, Fault> {
-    Ok(Terms {
-        urgency: Urgency::default(),
+/// That of work that nobody cancels.
+pub(super) fn job_context(engine: &Engine) -> Result<JobContext, Fault> {
+    Ok(JobContext {
+        cancellation: Cancellation::default(),
         ticket: engine.admission().admit()?,
     })
 }

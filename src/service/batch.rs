@@ -4,7 +4,7 @@
 use super::call::Call;
 use super::message::{Notification, Payload, Permit};
 use super::response::Responder;
-use crate::engine::{MemoryPermit, Ordered, Place, Terms, Ticket, Work};
+use crate::engine::{JobContext, MemoryPermit, Ordered, Place, Ticket, Work};
 use crate::protocol::{Attachments, Fault, Id};
 use serde::Serialize;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -33,7 +33,7 @@ pub(super) trait Items: Send + Sync + Sized + 'static {
         &self,
         index: usize,
         prepared: Self::Prepared,
-        terms: Terms,
+        context: JobContext,
         done: impl FnOnce(Result<Self::Done, Fault>) + Send + 'static,
     );
 
@@ -80,7 +80,7 @@ impl<I: Items> Batch<I> {
         let window = busy.min(affordable).min(given.len()).max(1);
         let kept = given.len() * (size_of::<I::Given>() + size_of::<I::Prepared>());
         let bytes = kept as u64 + request_bytes + window as u64 * item_bytes;
-        let (memory, terms) = call.admit(bytes)?;
+        let (memory, context) = call.admit(bytes)?;
         let call = call.clone();
         Ok(move |responder| {
             let checking = Checking {
@@ -92,7 +92,7 @@ impl<I: Items> Batch<I> {
                     call,
                     streams,
                     window,
-                    terms,
+                    context,
                     memory,
                     responder,
                 },
@@ -120,7 +120,7 @@ struct Run {
     streams: bool,
     /// Items that may be in hand at a time.
     window: usize,
-    terms: Terms,
+    context: JobContext,
     memory: MemoryPermit,
     responder: Responder,
 }
@@ -145,7 +145,7 @@ impl<I: Items> Checking<I> {
     }
 
     fn check(&mut self, given: I::Given) -> Result<(), Fault> {
-        self.run.terms.urgency.check()?;
+        self.run.context.cancellation.check()?;
         let prepared = self.items.prepare(self.prepared.len(), given)?;
         self.least_bytes += self.items.least_bytes(&prepared);
         self.prepared.push(prepared);
@@ -157,7 +157,7 @@ impl<I: Items> Checking<I> {
             call,
             streams,
             window,
-            terms,
+            context,
             memory,
             responder,
         } = self.run;
@@ -171,7 +171,7 @@ impl<I: Items> Checking<I> {
             streams,
             open: Mutex::new(Some(Open {
                 responder,
-                ticket: terms.ticket,
+                ticket: context.ticket,
                 memory,
                 together: Together::default(),
             })),
@@ -226,15 +226,18 @@ impl<I: Items> Work for Working<I> {
         prepared: I::Prepared,
         done: impl FnOnce(Result<I::Done, Fault>) + Send + 'static,
     ) -> Result<(), Fault> {
-        let urgency = self.call.urgency.clone();
-        urgency.check()?;
+        let cancellation = self.call.cancellation.clone();
+        cancellation.check()?;
         let ticket = match &*self.lock() {
             Some(open) => open.ticket.clone(),
             // Another item has failed meanwhile.
             None => return Err(Fault::Cancelled),
         };
-        let terms = Terms { urgency, ticket };
-        self.items.start(index, prepared, terms, done);
+        let context = JobContext {
+            cancellation,
+            ticket,
+        };
+        self.items.start(index, prepared, context, done);
         Ok(())
     }
 

@@ -1,7 +1,7 @@
-//! One request on its way through its handler: what it may use, and on what terms. Never lives here: any one method.
+//! One request on its way through its handler: what it may use. Never lives here: any one method.
 
 use super::state::Service;
-use crate::engine::{ConnectionQuota, Engine, EngineError, MemoryPermit, Terms, Urgency};
+use crate::engine::{Cancellation, ConnectionQuota, Engine, EngineError, JobContext, MemoryPermit};
 use crate::formats::Source;
 use crate::protocol::Fault;
 use bytes::Bytes;
@@ -15,7 +15,7 @@ pub(super) struct Call {
     pub service: Arc<Service>,
     /// Raw bytes that came along.
     pub attached: Bytes,
-    pub urgency: Urgency,
+    pub cancellation: Cancellation,
     pub quota: Arc<ConnectionQuota>,
 }
 
@@ -28,18 +28,18 @@ impl Call {
         &self.service.source
     }
 
-    /// Admits the request: memory for its result, and the terms on which the engine works on it. Blocks as [`Call::reserve`].
+    /// Admits the request: memory for its result, and what accompanies its job in the engine. Blocks as [`Call::reserve`].
     ///
     /// # Errors
     /// [`Fault::Busy`].
-    pub fn admit(&self, bytes: u64) -> Result<(MemoryPermit, Terms), Fault> {
+    pub fn admit(&self, bytes: u64) -> Result<(MemoryPermit, JobContext), Fault> {
         let memory = self.reserve(bytes)?;
         let ticket = self.engine().admission().admit();
         let ticket = ticket.map_err(|error| self.busy(error))?;
         Ok((
             memory,
-            Terms {
-                urgency: self.urgency.clone(),
+            JobContext {
+                cancellation: self.cancellation.clone(),
                 ticket,
             },
         ))

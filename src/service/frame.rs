@@ -6,8 +6,8 @@ use super::pose::of_pose;
 use super::prepared_frame::{Packing, Subject};
 use super::response::Responder;
 use crate::encode;
-use crate::engine::{RigRef, Terms};
-use crate::frame::Frame;
+use crate::engine::{JobContext, RigRef, Timings};
+use crate::frame::{ImageKind, Outputs, Raster};
 use crate::protocol::blob::{Blob, Picture};
 use crate::protocol::frame as wire;
 use crate::protocol::pose::Clamped;
@@ -15,7 +15,6 @@ use crate::protocol::{Attachments, Fault};
 use crate::scene::{Camera, Size};
 use bytes::Bytes;
 use glam::DMat4;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -34,11 +33,11 @@ impl Call {
     ) -> Result<impl FnOnce(Responder) + use<>, Fault> {
         let rig = Arc::new(self.engine().rig(&params.rig)?);
         let frame = self.prepare_frame(params, &rig)?;
-        let (memory, terms) = self.admit(bytes_of_picture(frame.pixels()))?;
+        let (memory, context) = self.admit(bytes_of_picture(frame.pixels()))?;
         let subject = frame.evaluate().map_err(of_pose)?;
         let call = self.clone();
         Ok(move |responder: Responder| {
-            call.draw(&rig, subject, frame.packing, terms, move |packed| {
+            call.draw(&rig, subject, frame.packing, context, move |packed| {
                 responder.respond(packed.and_then(|packed| {
                     let mut attachments = Attachments::default();
                     let frame = packed.sent(&mut attachments);
@@ -52,52 +51,49 @@ impl Call {
     pub fn draw(
         &self,
         rig: &RigRef,
-        subject: Subject,
+        mut subject: Subject,
         packing: Packing,
-        terms: Terms,
+        context: JobContext,
         done: impl FnOnce(Result<PackedFrame, Fault>) + Send + 'static,
     ) {
-        let Subject {
-            scene,
-            posed,
-            skinning,
-            clamped,
-        } = subject;
-        let vertices = posed.rig().vertex_count() as u64;
+        let vertices = subject.posed.rig().vertex_count() as u64;
         let caption = Caption {
-            camera: described(&scene.camera),
+            size: subject.scene.size,
+            camera: described(&subject.scene.camera),
             digest: rig.loaded.digest.clone(),
-            clamped,
+            clamped: std::mem::take(&mut subject.clamped),
         };
         let stats = Arc::clone(&self.service.stats);
-        let pack = move |(frame, timings)| {
+        let pack = move |(outputs, timings): (Outputs, Timings)| {
             let started = Instant::now();
-            let picture = packed(frame, packing)?;
+            let pack = |raster: Raster| Ok((raster.kind, packed(raster, packing)?));
+            let images = outputs.images.into_iter().map(pack);
             Ok(PackedFrame {
                 caption,
-                picture,
+                images: images.collect::<Result<_, Fault>>()?,
                 packing,
                 timings: stats.rendered(1, vertices, timings, started.elapsed()),
             })
         };
         let engine = self.engine();
-        engine.render(&rig.loaded, posed, skinning, scene, terms, move |drawn| {
+        engine.render(subject.query(&rig.loaded), context, move |drawn| {
             done(drawn.map_err(Fault::from).and_then(pack));
         });
     }
 }
 
-/// What a frame's reply says beside the picture.
+/// What a frame's reply says beside the pictures.
 struct Caption {
+    size: Size,
     camera: wire::FrameCamera,
     digest: String,
     clamped: Vec<Clamped>,
 }
 
-/// A picture, ready to be sent.
+/// Pictures of one frame, ready to be sent.
 pub(super) struct PackedFrame {
     caption: Caption,
-    picture: Picture,
+    images: Vec<(ImageKind, Picture)>,
     packing: Packing,
     timings: wire::Timings,
 }
@@ -107,16 +103,18 @@ impl PackedFrame {
     pub fn sent(self, attachments: &mut Attachments) -> wire::Frame {
         let Self {
             caption,
-            picture,
+            images,
             packing,
             timings,
         } = self;
-        let [width, height] = picture.size();
-        let color = Blob::picture(picture, packing.transport, attachments);
+        let Size { width, height } = caption.size;
+        let mut blob = |picture| Blob::picture(picture, packing.transport, attachments);
+        let images = images.into_iter();
+        let images = images.map(|(kind, picture)| (name_of(kind).to_owned(), blob(picture)));
         wire::Frame {
             width,
             height,
-            images: BTreeMap::from([("color".to_owned(), color)]),
+            images: images.collect(),
             camera: caption.camera,
             rig: caption.digest,
             renderer: wire::Renderer {
@@ -129,21 +127,30 @@ impl PackedFrame {
     }
 
     pub fn written_bytes(&self) -> u64 {
-        self.packing.written_bytes(self.picture.bytes() as u64)
+        let images = self.images.iter();
+        let bytes = images.map(|(_, picture)| picture.bytes() as u64);
+        self.packing.written_bytes(bytes.sum())
     }
 }
 
-fn packed(frame: Frame, packing: Packing) -> Result<Picture, Fault> {
-    let Size { width, height } = frame.size;
+/// As the wire spells it.
+fn name_of(kind: ImageKind) -> &'static str {
+    match kind {
+        ImageKind::Color => "color",
+    }
+}
+
+fn packed(raster: Raster, packing: Packing) -> Result<Picture, Fault> {
+    let Size { width, height } = raster.size;
     let file = match packing.image {
         wire::ImageFormat::Rgba8 => {
             return Ok(Picture::Rgba8 {
                 width,
                 height,
-                pixels: Bytes::from_owner(frame.pixels),
+                pixels: Bytes::from_owner(raster.bytes),
             });
         }
-        wire::ImageFormat::Png => encode::png(&frame, packing.compression),
+        wire::ImageFormat::Png => encode::png(&raster, packing.compression),
     };
     let file = file.map_err(|error| Fault::Internal {
         message: error.to_string(),
@@ -188,7 +195,12 @@ mod tests {
             compression: Compression::Fast,
             transport: PictureTransport::Attach,
         };
-        let picture = packed(Frame { size, pixels }, packing).unwrap();
+        let raster = Raster {
+            kind: ImageKind::Color,
+            size,
+            bytes: pixels,
+        };
+        let picture = packed(raster, packing).unwrap();
         let mut attachments = Attachments::default();
         Blob::picture(picture, PictureTransport::Attach, &mut attachments);
         let parts = attachments.into_parts();

@@ -7,7 +7,7 @@ use super::pose::of_pose;
 use super::prepared_frame::PreparedFrame;
 use super::prepared_pose::PreparedPose;
 use super::response::Responder;
-use crate::engine::{RigRef, Terms};
+use crate::engine::{JobContext, RigRef};
 use crate::protocol::batch::{FrameBatch, FrameBatchParams, FrameChange, FrameReady};
 use crate::protocol::frame as wire;
 use crate::protocol::pose::Pose;
@@ -140,19 +140,19 @@ impl Items for FrameItems {
     }
 
     fn least_bytes(&self, prepared: &PreparedFrame) -> u64 {
-        prepared.packing.least_bytes(prepared.pixels())
+        prepared.least_bytes()
     }
 
     fn start(
         &self,
         index: usize,
         prepared: PreparedFrame,
-        terms: Terms,
+        context: JobContext,
         done: impl FnOnce(Result<PackedFrame, Fault>) + Send + 'static,
     ) {
         let PreparedFrame { rig, packing, .. } = &prepared;
         match prepared.evaluate() {
-            Ok(subject) => self.call.draw(rig, subject, *packing, terms, done),
+            Ok(subject) => self.call.draw(rig, subject, *packing, context, done),
             Err(fault) => done(Err(of_pose(fault).within(("frames", index)).into())),
         }
     }

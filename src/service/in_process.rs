@@ -4,7 +4,7 @@ use super::call::Call;
 use super::pose::of_pose;
 use super::prepared_frame::Subject;
 use super::state::Service;
-use crate::engine::{RigRef, Urgency};
+use crate::engine::{Cancellation, RigRef};
 use crate::protocol::Fault;
 use crate::protocol::frame::FrameParams;
 use bytes::Bytes;
@@ -19,7 +19,7 @@ impl Service {
         let call = Call {
             service: Arc::clone(self),
             attached: Bytes::new(),
-            urgency: Urgency::default(),
+            cancellation: Cancellation::default(),
             quota: self.engine.admission().connection_quota(),
         };
         let frame = call.prepare_frame(params.clone(), &Arc::new(rig.clone()))?;

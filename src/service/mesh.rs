@@ -36,11 +36,11 @@ impl Call {
             rig,
         };
         let pose = self.prepare_pose(params.pose, &asked.rig)?;
-        let (memory, terms) = self.admit(asked.bytes())?;
+        let (memory, context) = self.admit(asked.bytes())?;
         let pose = pose.evaluate(&asked.rig).map_err(of_pose)?;
         let call = self.clone();
         Ok(move |responder: Responder| {
-            call.skin(Arc::new(asked), pose, terms, move |packed| {
+            call.skin(Arc::new(asked), pose, context, move |packed| {
                 responder.respond(packed.and_then(|packed| {
                     let mut attachments = Attachments::default();
                     let bounds = describe::bounds(&packed.bounds);

@@ -7,7 +7,7 @@ use super::prepared_pose::PreparedPose;
 use super::response::Responder;
 use super::scene::skinning;
 use super::vertices::{PackedVertices, PreparedVertices, queries, shape};
-use crate::engine::{RigRef, Terms};
+use crate::engine::{JobContext, RigRef};
 use crate::protocol::batch::{BatchAttribute, MeshBatch, MeshBatchParams, MeshItem, MeshReady};
 use crate::protocol::pose::{DofValues, Pose};
 use crate::protocol::{Attachments, Fault, FieldFault, Id};
@@ -199,11 +199,11 @@ impl Items for MeshItems {
         &self,
         index: usize,
         prepared: PreparedPose,
-        terms: Terms,
+        context: JobContext,
         done: impl FnOnce(Result<PackedVertices, Fault>) + Send + 'static,
     ) {
         match prepared.evaluate(&self.asked.rig) {
-            Ok(pose) => self.call.skin(Arc::clone(&self.asked), pose, terms, done),
+            Ok(pose) => self.call.skin(Arc::clone(&self.asked), pose, context, done),
             Err(fault) => done(Err(self.list.located(index, fault).into())),
         }
     }

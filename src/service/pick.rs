@@ -22,31 +22,31 @@ impl Call {
         let frame = params.frame();
         let found = self.engine().rig(&frame.rig)?;
         let rig = Arc::clone(&found.loaded.rig);
-        let scene = self.scene(&frame, &found.loaded)?;
+        let (scene, appearance) = self.scene(&frame, &found.loaded)?;
         inside(params.pixel, scene.size)?;
         let ray = scene.camera.ray(DVec2::from_array(params.pixel));
         let ray = ray.map_err(fault::at("pixel"))?;
         let radius = params.bone_radius.map(BoneRadius::new).transpose();
         let is_asked_for = |target| params.targets.contains(&target);
-        let skin = is_asked_for(wire::PickTarget::Skin) && scene.show.shows_skin();
+        let skin = is_asked_for(wire::PickTarget::Skin) && appearance.show.shows_skin();
         let query = PickQuery {
             ray,
             bones: is_asked_for(wire::PickTarget::Bone),
             bone_radius: radius.map_err(fault::at("bone_radius"))?,
-            skin: skin.then(|| scene.show.skin.shape()),
-            cull: scene.cull,
-            variant: scene.surface.variant,
+            skin: skin.then(|| appearance.show.skin.shape()),
+            cull: appearance.cull,
+            variant: appearance.surface.variant,
         };
         let pose = self.prepare_pose(frame.pose, &found)?;
         // Skinned vertices are looked at and dropped, so none of them becomes text.
-        let (memory, terms) = self.admit(24 * rig.draw_vertex_count() as u64)?;
+        let (memory, context) = self.admit(24 * rig.draw_vertex_count() as u64)?;
         let EvaluatedPose { posed, clamped } = pose.evaluate(&found).map_err(of_pose)?;
         let call = self.clone();
         let skinning = skinning(frame.skinning);
         Ok(move |responder: Responder| {
             let stats = Arc::clone(&call.service.stats);
             let engine = call.engine();
-            engine.pick(posed, skinning, query, terms, move |result| {
+            engine.pick(posed, skinning, query, context, move |result| {
                 responder.respond(result.map_err(Fault::from).and_then(|(hit, timings)| {
                     let picked = wire::Picked {
                         ray: wire::Ray {

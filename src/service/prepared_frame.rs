@@ -3,16 +3,18 @@
 use super::call::Call;
 use super::file_lights;
 use super::prepared_pose::{EvaluatedPose, PreparedPose};
-use super::scene::skinning;
+use super::scene::{image_kinds, skinning};
 use crate::encode::Compression;
-use crate::engine::RigRef;
+use crate::engine::{FrameQuery, LoadedRig, RigRef};
+use crate::frame::ImageKind;
 use crate::pose::{Posed, Skinning};
 use crate::protocol::blob::PictureTransport;
 use crate::protocol::camera::{Lights, NamedLights};
 use crate::protocol::frame as wire;
 use crate::protocol::pose::Clamped;
 use crate::protocol::{Fault, FieldFault};
-use crate::scene::Scene;
+use crate::scene::{Appearance, Scene};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// A picture to be drawn: everything is checked that can be told before its pose is worked out.
@@ -21,6 +23,8 @@ pub(super) struct PreparedFrame {
     pose: Arc<PreparedPose>,
     skinning: Skinning,
     scene: Scene,
+    appearance: Appearance,
+    outputs: BTreeSet<ImageKind>,
     /// Whether the lights are those of the rig's file, which depend on the pose.
     has_lights_of_file: bool,
     pub packing: Packing,
@@ -37,6 +41,8 @@ pub(super) struct Packing {
 /// What is to be drawn.
 pub struct Subject {
     pub scene: Scene,
+    pub outputs: BTreeSet<ImageKind>,
+    pub appearance: Appearance,
     pub posed: Arc<Posed>,
     pub skinning: Skinning,
     /// Values of the pose that their limits changed.
@@ -60,8 +66,11 @@ impl Call {
         rig: &Arc<RigRef>,
         pose: impl FnOnce() -> Result<Arc<PreparedPose>, FieldFault>,
     ) -> Result<PreparedFrame, Fault> {
+        let (scene, appearance) = self.scene(params, &rig.loaded)?;
         Ok(PreparedFrame {
-            scene: self.scene(params, &rig.loaded)?,
+            scene,
+            appearance,
+            outputs: image_kinds(params),
             pose: pose()?,
             skinning: skinning(params.skinning),
             has_lights_of_file: matches!(params.lights, Some(Lights::Named(NamedLights::File))),
@@ -80,6 +89,19 @@ impl PreparedFrame {
         self.scene.size.pixels() as u64
     }
 
+    /// Bytes of its pictures as they are written, as far as they are known before they are drawn.
+    pub fn least_bytes(&self) -> u64 {
+        let bytes = |kind: &ImageKind| kind.bytes(self.scene.size) as u64;
+        match self.packing.image {
+            wire::ImageFormat::Rgba8 => {
+                let bytes = self.outputs.iter().map(bytes).sum();
+                self.packing.written_bytes(bytes)
+            }
+            // Of a plain color next to nothing is left.
+            wire::ImageFormat::Png => 0,
+        }
+    }
+
     /// Works the pose out. A fault is as seen from the pose.
     pub fn evaluate(&self) -> Result<Subject, FieldFault> {
         let EvaluatedPose { posed, clamped } = self.pose.evaluate(&self.rig)?;
@@ -89,6 +111,8 @@ impl PreparedFrame {
         }
         Ok(Subject {
             scene,
+            outputs: self.outputs.clone(),
+            appearance: self.appearance,
             posed,
             skinning: self.skinning,
             clamped,
@@ -96,17 +120,26 @@ impl PreparedFrame {
     }
 }
 
-impl Packing {
-    /// Bytes of a picture of so many pixels as it is written, as far as they are known before it is drawn.
-    pub fn least_bytes(self, pixels: u64) -> u64 {
-        match self.image {
-            wire::ImageFormat::Rgba8 => self.written_bytes(4 * pixels),
-            // Of a plain color next to nothing is left.
-            wire::ImageFormat::Png => 0,
+impl Subject {
+    /// What to ask the engine for; `loaded` is the rig.
+    pub fn query(self, loaded: &LoadedRig) -> FrameQuery {
+        let Self {
+            scene,
+            outputs,
+            appearance,
+            posed,
+            skinning,
+            ..
+        } = self;
+        FrameQuery {
+            outputs,
+            ..FrameQuery::color(loaded, posed, skinning, appearance, scene)
         }
     }
+}
 
-    /// Bytes of a packed picture as it is written.
+impl Packing {
+    /// Bytes of packed pictures as they are written.
     pub fn written_bytes(self, bytes: u64) -> u64 {
         match self.transport {
             PictureTransport::Attach => bytes,

@@ -3,7 +3,7 @@
 
 use super::message::{Message, Notification, Payload, Response};
 use super::stats::Stats;
-use crate::engine::Urgency;
+use crate::engine::Cancellation;
 use crate::protocol::{Fault, Id, Method};
 use std::collections::VecDeque;
 use std::sync::atomic::Ordering;
@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 struct Slot {
     id: Id,
     method: Option<Method>,
-    urgency: Urgency,
+    cancellation: Cancellation,
     stats: Arc<Stats>,
     state: Mutex<State>,
 }
@@ -57,13 +57,13 @@ pub(super) struct Responder {
 pub(super) fn response(
     id: Id,
     method: Option<Method>,
-    urgency: Urgency,
+    cancellation: Cancellation,
     stats: &Arc<Stats>,
 ) -> (Responder, ResponseHandle) {
     let slot = Arc::new(Slot {
         id,
         method,
-        urgency,
+        cancellation,
         stats: Arc::clone(stats),
         state: Mutex::default(),
     });
@@ -133,7 +133,7 @@ impl ResponseHandle {
 
     /// When the request becomes `deadline_exceeded`.
     pub fn deadline(&self) -> Option<Instant> {
-        self.slot.urgency.deadline
+        self.slot.cancellation.deadline
     }
 
     /// Answers `shutting_down` where there is no response yet.
@@ -150,7 +150,10 @@ impl ResponseHandle {
 
 impl Drop for ResponseHandle {
     fn drop(&mut self) {
-        self.slot.urgency.cancelled.store(true, Ordering::Relaxed);
+        self.slot
+            .cancellation
+            .cancelled
+            .store(true, Ordering::Relaxed);
         let mut state = self.slot.lock();
         state.is_abandoned = true;
         let notifications = std::mem::take(&mut state.notifications);
@@ -248,7 +251,7 @@ impl Slot {
             permit: None,
         };
         if self.fill(response, kind) {
-            self.urgency.cancelled.store(true, Ordering::Relaxed);
+            self.cancellation.cancelled.store(true, Ordering::Relaxed);
             // What was to go ahead of a result is of no more use.
             let notifications = std::mem::take(&mut self.lock().notifications);
             drop(notifications);
@@ -301,11 +304,11 @@ mod tests {
     }
 
     fn open(deadline: Option<Instant>) -> (Responder, ResponseHandle) {
-        let urgency = Urgency {
+        let cancellation = Cancellation {
             deadline,
-            ..Urgency::default()
+            ..Cancellation::default()
         };
-        response(Id::from(7), None, urgency, &Arc::default())
+        response(Id::from(7), None, cancellation, &Arc::default())
     }
 
     fn ready(index: u64) -> Notification {

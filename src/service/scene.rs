@@ -4,24 +4,33 @@ use super::call::Call;
 use super::fault;
 use super::names::unknown;
 use crate::engine::LoadedRig;
+use crate::frame::ImageKind;
 use crate::pose::Skinning;
 use crate::protocol::camera as wire_camera;
 use crate::protocol::frame as wire;
 use crate::protocol::{Fault, FieldFault};
 use crate::rig::Rig;
 use crate::scene::{
-    Background, Bounds, Camera, CameraError, Color, Cull, Falloff, Light, LookAt, Near, Orbit,
-    Pinhole, Samples, Scene, Show, ShowNormals, ShowSkeleton, ShowSkin, Size, Surface,
+    Appearance, Background, Bounds, Camera, CameraError, Color, Cull, Falloff, Light, LookAt, Near,
+    Orbit, Pinhole, Samples, Scene, Show, ShowNormals, ShowSkeleton, ShowSkin, Size, Surface,
 };
 use glam::{DMat4, DVec3};
+use std::collections::BTreeSet;
 
 impl Call {
     /// `rig` is what the default camera frames. Lights of its file are left out: they depend on the pose, and evaluating a frame adds them.
-    pub fn scene(&self, params: &wire::FrameParams, rig: &LoadedRig) -> Result<Scene, Fault> {
+    pub fn scene(
+        &self,
+        params: &wire::FrameParams,
+        rig: &LoadedRig,
+    ) -> Result<(Scene, Appearance), Fault> {
         let limits = self.engine().limits();
         let [width, height] = params.size;
         let size = Size::new(width, height, limits).map_err(fault::of_size)?;
-        self.engine().capabilities().accept_size(size)?;
+        let capabilities = self.engine().capabilities();
+        for kind in image_kinds(params) {
+            capabilities.accept_raster(kind, size)?;
+        }
         if params.outputs.is_empty() {
             return Err(Fault::invalid_params(
                 "outputs",
@@ -63,7 +72,7 @@ impl Call {
             .background
             .map_or(Ok(Background::default()), Background::new)
             .map_err(fault::at("background"))?;
-        Ok(Scene {
+        let scene = Scene {
             size,
             samples: match params.samples {
                 wire::Samples::One => Samples::One,
@@ -72,14 +81,17 @@ impl Call {
             camera,
             lights,
             ambient,
-            surface: Surface { variant, ..surface },
             background,
+        };
+        let appearance = Appearance {
             show,
+            surface: Surface { variant, ..surface },
             cull: match params.cull {
                 wire::Cull::Auto => Cull::Auto,
                 wire::Cull::Never => Cull::Never,
             },
-        })
+        };
+        Ok((scene, appearance))
     }
 }
 
@@ -196,6 +208,14 @@ fn light_of(light: &wire_camera::Light) -> Result<Light, FieldFault> {
             )?)
         }
     }
+}
+
+/// What is asked for, each kind once.
+pub(super) fn image_kinds(params: &wire::FrameParams) -> BTreeSet<ImageKind> {
+    let kind = |output: &wire::Output| match output {
+        wire::Output::Color => ImageKind::Color,
+    };
+    params.outputs.iter().map(kind).collect()
 }
 
 pub(super) fn skinning(skinning: wire::Skinning) -> Skinning {

@@ -7,7 +7,7 @@ use super::in_flight::InFlight;
 use super::message::{Permit, Response};
 use super::response::{ResponseHandle, response};
 use super::state::Service;
-use crate::engine::{ConnectionQuota, Urgency};
+use crate::engine::{Cancellation, ConnectionQuota};
 use crate::protocol::{Fault, Id, Method};
 use bytes::Bytes;
 use serde_json::value::RawValue;
@@ -72,26 +72,29 @@ impl Session {
         if id.is_none() && !named.is_some_and(Method::mutates) {
             return None;
         }
-        let urgency = Urgency {
+        let cancellation = Cancellation {
             deadline,
-            ..Urgency::default()
+            ..Cancellation::default()
         };
         let stats = &self.service.stats;
         let (responder, handle) = match id {
             Some(id) => {
-                let (responder, handle) = response(id.clone(), named, urgency.clone(), stats);
+                let (responder, handle) = response(id.clone(), named, cancellation.clone(), stats);
                 self.in_flight.insert(id, &handle);
                 (responder, Some(handle))
             }
             // It is counted and goes nowhere.
-            None => (response(Id::Null, named, Urgency::default(), stats).0, None),
+            None => (
+                response(Id::Null, named, Cancellation::default(), stats).0,
+                None,
+            ),
         };
         match method {
             Ok(method) => {
                 let call = Call {
                     service: Arc::clone(&self.service),
                     attached,
-                    urgency,
+                    cancellation,
                     quota: Arc::clone(&self.quota),
                 };
                 let dispatch = Dispatch {
@@ -110,7 +113,7 @@ impl Session {
 
     /// The response to what could not be read as a request, in the order of those that could.
     pub fn refuse(&self, id: Id, fault: Fault) -> ResponseHandle {
-        let (responder, handle) = response(id, None, Urgency::default(), &self.service.stats);
+        let (responder, handle) = response(id, None, Cancellation::default(), &self.service.stats);
         responder.respond(Err(fault));
         handle
     }

@@ -5,7 +5,7 @@ use super::call::Call;
 use super::describe;
 use super::names::unknown;
 use super::prepared_pose::EvaluatedPose;
-use crate::engine::{RigRef, Terms, Timings};
+use crate::engine::{JobContext, RigRef, Timings};
 use crate::frame::{Pooled, SkinnedVertices};
 use crate::pose::{Posed, Skinning};
 use crate::protocol::batch::MeshItem;
@@ -72,7 +72,7 @@ impl Call {
         &self,
         asked: Arc<PreparedVertices>,
         pose: EvaluatedPose,
-        terms: Terms,
+        context: JobContext,
         done: impl FnOnce(Result<PackedVertices, Fault>) + Send + 'static,
     ) {
         let EvaluatedPose { posed, clamped } = pose;
@@ -98,12 +98,12 @@ impl Call {
         if queries.is_empty() {
             // Only joints, which are there already.
             self.engine().spawn(move || {
-                let checked = terms.urgency.check().map_err(Fault::from);
+                let checked = context.cancellation.check().map_err(Fault::from);
                 done(checked.map(|()| pack((Vec::new(), Timings::default()))));
             });
         } else {
             let engine = self.engine();
-            engine.vertices(posed, skinning, shape, queries, terms, move |result| {
+            engine.vertices(posed, skinning, shape, queries, context, move |result| {
                 done(result.map_err(Fault::from).map(pack));
             });
         }
@@ -190,6 +190,7 @@ pub(super) fn queries(
         }
     };
     let query = |mesh, start, count| VertexQuery {
+        instance: 0,
         mesh,
         start,
         count,

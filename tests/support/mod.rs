@@ -3,23 +3,27 @@
 // Every test file is a crate of its own and uses a part of this.
 #![allow(dead_code, reason = "each test uses a part")]
 
+pub mod adapters;
 pub mod alike;
 pub mod everything;
 pub mod gltf;
 pub mod oracle;
 pub mod pictures;
+pub mod places;
 pub mod quads;
 pub mod random;
 pub mod rules;
 pub mod server;
+pub mod shot;
 pub mod suite;
 
+use adapters::{adapter, engine_on};
+
 use bytes::Bytes;
-use rigd::engine::{Engine, EngineError, RendererChoice};
+use rigd::engine::Engine;
 use rigd::formats::Source;
 use rigd::limits::Limits;
 use rigd::protocol::{self, ErrorObject};
-use rigd::render::AdapterError;
 use rigd::service::{Request, Response, Service};
 use serde_json::{Value, json};
 use std::io::Write;
@@ -27,36 +31,11 @@ use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 
-/// What tests draw with: rigd's own renderer, so that every machine sees the same pictures, or `RIGD_TEST_ADAPTER`.
-pub fn adapter() -> String {
-    std::env::var("RIGD_TEST_ADAPTER").unwrap_or_else(|_| "cpu".to_owned())
-}
-
-fn renderer(adapter: &str) -> RendererChoice {
-    let Ok(adapter) = adapter.parse();
-    RendererChoice {
-        adapter,
-        ..RendererChoice::default()
-    }
-}
-
 /// A service that draws with this adapter, the built-in figure loaded as `figure`; `None`, and a line in the log, where there is no such
 /// adapter.
 pub fn service_on(adapter: &str) -> Option<Arc<Service>> {
-    match Engine::open(renderer(adapter), Limits::default()) {
-        Ok(engine) => {
-            note(&format!("drawing with {}", engine.adapter()));
-            Some(with_figure(engine, Source::inline_only()))
-        }
-        Err(EngineError::Adapter(AdapterError::NoMatch { .. } | AdapterError::None)) => {
-            note(&format!(
-                "SKIPPED: there is no adapter `{adapter}`; `make setup` installs what is missing"
-            ));
-            None
-        }
-        // An adapter that is there and does not open is a fault.
-        Err(error) => panic!("{error}"),
-    }
+    let engine = engine_on(adapter, Limits::default())?;
+    Some(with_figure(engine, Source::inline_only()))
 }
 
 /// How long this thread has been on a processor, where the system tells: what else the machine has to do does not count.
@@ -75,10 +54,7 @@ pub fn note(line: &str) {
 
 /// A renderer of its own, named in the test's log.
 pub fn engine(limits: Limits) -> Engine {
-    let engine = Engine::open(renderer(&adapter()), limits)
-        .expect("a graphics adapter; `make setup` installs a software one");
-    note(&format!("drawing with {}", engine.adapter()));
-    engine
+    engine_on(&adapter(), limits).expect("the adapter that tests draw with")
 }
 
 fn with_figure(engine: Engine, source: Source) -> Arc<Service> {
@@ -111,7 +87,7 @@ pub const SAMPLE_ANIM: [(f64, [f64; 3]); 7] = [
 
 /// Where real rigs lie, which the project may not ship. `None`, and a line in the log, where they are absent.
 pub fn real_rigs() -> Option<PathBuf> {
-    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/rigs"));
+    let folder = places::repository("../shared/rigs");
     if !folder.is_dir() {
         note(&format!("SKIPPED: no real rigs in {}", folder.display()));
         return None;
@@ -187,7 +163,7 @@ pub fn with_base64(name: &str, bytes: &[u8]) -> Value {
 
 /// A file of `tests/cases`, e.g. `gltf/lights_required.gltf`, as a request carries it.
 pub fn case(path: &str) -> Value {
-    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cases"));
+    let folder = places::repository("tests/cases");
     let bytes = std::fs::read(folder.join(path)).unwrap_or_else(|error| panic!("{path}: {error}"));
     let name = path.rsplit('/').next().expect("a name");
     with_base64(name, &bytes)

@@ -8,7 +8,7 @@ use crate::protocol::Fault;
 use crate::protocol::frame::FrameParams;
 use crate::scene::{Bounds, Camera, ShowSkeleton, ShowSkin, Size, VertexQuery};
 use crate::service::{Service, Subject};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use std::sync::{Arc, mpsc};
 
 /// Moments of a clip that are looked at: a stride has a few, and what happens between two of them is seldom far outside of both.
@@ -56,7 +56,7 @@ pub(super) fn frame_clip(
 /// Points that have in their midst what is shown of the rig: the corners of its skin's bounds, and its joints where they are shown or there
 /// is no skin.
 fn extent(engine: &Engine, subject: Subject) -> Result<Vec<DVec3>, Fault> {
-    let show = subject.scene.show;
+    let show = subject.appearance.show;
     let joints = subject.posed.world_from_joint().iter();
     let joints: Vec<DVec3> = joints.map(|joint| joint.translation).collect();
     let mut points = Vec::new();
@@ -73,23 +73,24 @@ fn extent(engine: &Engine, subject: Subject) -> Result<Vec<DVec3>, Fault> {
 fn corners_of_skin(engine: &Engine, subject: Subject) -> Result<Vec<DVec3>, Fault> {
     let meshes = subject.posed.rig().meshes().iter().enumerate();
     let queries = meshes.map(|(mesh, of_mesh)| VertexQuery {
+        instance: 0,
         mesh,
         start: 0,
         count: of_mesh.vertex_count(),
         positions: true,
         normals: false,
     });
-    let (queries, shape) = (queries.collect(), subject.scene.show.skin.shape());
+    let (queries, shape) = (queries.collect(), subject.appearance.show.skin.shape());
     let (sender, receiver) = mpsc::sync_channel(1);
     let (posed, skinning) = (subject.posed, subject.skinning);
-    let terms = local::terms(engine)?;
-    engine.vertices(posed, skinning, shape, queries, terms, move |skinned| {
+    let context = local::job_context(engine)?;
+    engine.vertices(posed, skinning, shape, queries, context, move |skinned| {
         // The receiver waits.
         let _ = sender.send(skinned.map_err(Fault::from));
     });
     let (meshes, _) = Drawing(receiver).wait()?;
     let positions = meshes.iter().filter_map(|mesh| mesh.positions.as_deref());
-    let points = positions.flat_map(|positions| positions.as_chunks().0);
-    let bounds = Bounds::of(points.map(|&point| Vec3::from_array(point).as_dvec3()));
+    let bounds = positions.filter_map(Bounds::of_positions);
+    let bounds = bounds.reduce(|all, one| all.and(&one));
     Ok(bounds.map_or(Vec::new(), |bounds| vec![bounds.min, bounds.max]))
 }

@@ -1,41 +1,16 @@
 //! The files of a sequence. Never lives here: how frames are drawn or packed.
 
+use super::format::Format;
 use super::shots::Motion;
 use crate::cli::files::{self, Destination, Unfinished, numbered};
 use crate::encode::{self, AnimatedGif, AnimatedPng, Compression, FrameRate};
-use crate::frame::Frame;
+use crate::frame::{ImageKind, Raster};
 use crate::protocol::Fault;
 use crate::scene::Size;
-use anyhow::{Context, bail};
+use anyhow::Context;
 use std::fs::{self, File};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
-
-/// What the ending of the output's name asks for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Format {
-    Png,
-    Gif,
-    Apng,
-}
-
-impl Format {
-    pub fn of(output: &Destination) -> anyhow::Result<Self> {
-        let Destination::File(path) = output else {
-            return Ok(Self::Png);
-        };
-        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-        match ending.to_str() {
-            Some("png") => Ok(Self::Png),
-            Some("gif") => Ok(Self::Gif),
-            Some("apng") => Ok(Self::Apng),
-            _ => bail!(
-                "--output: expected a name that ends in .png, .gif or .apng, or - for a PNG to standard output, but found `{}`",
-                path.display()
-            ),
-        }
-    }
-}
 
 /// How a sequence is to be written.
 #[derive(Debug, Clone)]
@@ -76,13 +51,13 @@ impl Reel {
     }
 
     /// What is to be made of a frame, on any thread, before it is pushed: a PNG file, or bare pixels for an animation.
-    pub fn packing(&self) -> impl FnOnce(Frame) -> Result<Vec<u8>, Fault> + Send + use<> {
+    pub fn packing(&self) -> impl FnOnce(Raster) -> Result<Vec<u8>, Fault> + Send + use<> {
         let (format, compression) = (self.terms.format, self.terms.compression);
         move |frame| match format {
             Format::Png => encode::png(&frame, compression).map_err(|error| Fault::Internal {
                 message: error.to_string(),
             }),
-            Format::Gif | Format::Apng => Ok(frame.pixels.into_vec()),
+            Format::Gif | Format::Apng => Ok(frame.bytes.into_vec()),
         }
     }
 
@@ -98,11 +73,13 @@ impl Reel {
             }
             (Destination::File(path), Format::Gif | Format::Apng) => {
                 let context = format!("cannot write {}", path.display());
-                let pixels = picture.into();
+                let raster = Raster {
+                    kind: ImageKind::Color,
+                    size,
+                    bytes: picture.into(),
+                };
                 let begun = &mut self.animation;
-                self.terms
-                    .animate(path, begun, &Frame { size, pixels })
-                    .context(context)
+                self.terms.animate(path, begun, &raster).context(context)
             }
         }
     }
@@ -167,7 +144,7 @@ impl Terms {
         &self,
         path: &Path,
         begun: &mut Option<(Animation, Unfinished)>,
-        frame: &Frame,
+        frame: &Raster,
     ) -> anyhow::Result<()> {
         let (animation, _) = match begun {
             Some(begun) => begun,

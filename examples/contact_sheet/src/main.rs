@@ -1,7 +1,7 @@
 //! A contact sheet: what one daemon makes of one rig, in one picture. Asks for all of it before it reads the first answer.
 //!
 //! ```text
-//! cargo run --release --example contact_sheet -- 127.0.0.1:7443 sheet.png
+//! cargo run --release --package contact_sheet -- 127.0.0.1:7443 sheet.png
 //! ```
 
 use anyhow::{Context, bail};

@@ -1,65 +1,64 @@
-//! What a submission skins: each distinct instance once, all of it where a picture shows it, else only the meshes that somebody asked for. Never lives here: skinning.
+//! What a submission skins: each distinct skin once, all of it where a picture shows it, else only the meshes that somebody asked for.
+//! Never lives here: skinning.
 
-use crate::render::{Instance, Plan, Wanted};
+use crate::render::{Plan, Skin};
 use crate::rig::Mesh;
 use crate::scene::VertexQuery;
 use std::collections::BTreeSet;
 
-/// An instance that pictures show, or whose vertices are asked for.
-pub(super) struct Skin<'a> {
-    pub instance: &'a Instance,
+/// A skin that pictures show, or whose vertices are asked for.
+pub(super) struct RequiredSkin<'a> {
+    pub skin: &'a Skin,
     /// Those to skin, in the rig's meshes; at least one, and each has vertices.
     pub meshes: BTreeSet<usize>,
 }
 
-/// No two of them are [skinned alike](Instance::is_skinned_like).
+/// No two of them are the same.
 #[derive(Default)]
-pub(super) struct Skins<'a>(Vec<Skin<'a>>);
+pub(super) struct SkinSet<'a>(Vec<RequiredSkin<'a>>);
 
-impl<'a> Skins<'a> {
+impl<'a> SkinSet<'a> {
     pub fn of(plans: &[&'a Plan]) -> Self {
         let mut skins = Self::default();
         for plan in plans {
-            for instance in plan.shown_instances() {
-                match &plan.wanted {
-                    Wanted::Picture(_) => {
-                        let meshes = instance.rig().meshes();
-                        let is_drawn = |mesh: &Mesh| !mesh.draw_triangles().is_empty();
-                        if !meshes.iter().any(is_drawn) {
-                            continue;
-                        }
-                        // Also those without triangles, so that it is one run of vertices, counted from the rig's first.
-                        let there = meshes.iter().enumerate();
-                        let there = there.filter(|(_, mesh)| mesh.vertex_count() > 0);
-                        there.for_each(|(mesh, _)| skins.add(instance, mesh));
-                    }
-                    Wanted::Vertices(queries) => {
-                        let answered = queries.iter().filter(|query| asks_for_any(query));
-                        answered.for_each(|query| skins.add(instance, query.mesh));
-                    }
-                }
+            for (_, instance) in plan.drawn() {
+                skins.add_drawn(instance.skin());
+            }
+            for query in plan.vertices.iter().filter(|query| asks_for_any(query)) {
+                skins.add(plan.instances[query.instance].skin(), query.mesh);
             }
         }
         skins
     }
 
-    pub fn iter(&self) -> impl Iterator<Item = &Skin<'a>> {
+    pub fn iter(&self) -> impl Iterator<Item = &RequiredSkin<'a>> {
         self.0.iter()
     }
 
-    /// Where among them that of `instance` stands; `None` where nothing of it was asked for.
-    pub fn position(&self, instance: &Instance) -> Option<usize> {
-        let is_it = |skin: &Skin<'_>| skin.instance.is_skinned_like(instance);
-        self.0.iter().position(is_it)
+    /// Index of a skin among them; `None` where nothing of it was asked for.
+    pub fn position(&self, skin: &Skin) -> Option<usize> {
+        self.0.iter().position(|required| required.skin == skin)
     }
 
-    fn add(&mut self, instance: &'a Instance, mesh: usize) {
-        let place = self.position(instance).unwrap_or_else(|| {
+    /// All of it, if there is anything to draw.
+    fn add_drawn(&mut self, skin: &'a Skin) {
+        let meshes = skin.rig().meshes();
+        let is_drawn = |mesh: &Mesh| !mesh.draw_triangles().is_empty();
+        if meshes.iter().any(is_drawn) {
+            // Also those without triangles, so that it is one run of vertices, counted from the rig's first.
+            let there = meshes.iter().enumerate();
+            let there = there.filter(|(_, mesh)| mesh.vertex_count() > 0);
+            there.for_each(|(mesh, _)| self.add(skin, mesh));
+        }
+    }
+
+    fn add(&mut self, skin: &'a Skin, mesh: usize) {
+        let index = self.position(skin).unwrap_or_else(|| {
             let meshes = BTreeSet::new();
-            self.0.push(Skin { instance, meshes });
+            self.0.push(RequiredSkin { skin, meshes });
             self.0.len() - 1
         });
-        self.0[place].meshes.insert(mesh);
+        self.0[index].meshes.insert(mesh);
     }
 }
 
@@ -74,8 +73,8 @@ mod tests {
     use crate::pose::{Pose, Posed, Skinning};
     use crate::rig::{Draft, MeshDraft};
     use crate::scene::{
-        Background, Bounds, Camera, Cull, Light, Orbit, Samples, Scene, Shape, Show, ShowSkin,
-        Size, Surface,
+        Appearance, Background, Bounds, Camera, Light, Orbit, Samples, Scene, Shape, Show,
+        ShowSkin, Size,
     };
     use glam::{DVec3, Vec3};
     use std::sync::Arc;
@@ -110,16 +109,18 @@ mod tests {
             camera: Camera::orbit(Orbit::default(), &bounds, size).unwrap(),
             lights: Light::default_pair(),
             ambient: Scene::DEFAULT_AMBIENT,
-            surface: Surface::default(),
             background: Background::default(),
-            show: Show::new(skin, Default::default(), Default::default(), 1.0).unwrap(),
-            cull: Cull::Auto,
         };
-        Plan::picture(Arc::clone(posed), Skinning::Linear, scene, 1.0)
+        let appearance = Appearance {
+            show: Show::new(skin, Default::default(), Default::default(), 1.0).unwrap(),
+            ..Appearance::default()
+        };
+        Plan::picture(Arc::clone(posed), Skinning::Linear, appearance, scene, 1.0)
     }
 
     fn vertices(posed: &Arc<Posed>, skinning: Skinning, queries: &[(usize, usize)]) -> Plan {
         let query = |&(mesh, count)| VertexQuery {
+            instance: 0,
             mesh,
             start: 0,
             count,
@@ -133,13 +134,13 @@ mod tests {
     /// The meshes of each.
     fn skinned(plans: &[Plan]) -> Vec<Vec<usize>> {
         let plans: Vec<&Plan> = plans.iter().collect();
-        let skins = Skins::of(&plans);
+        let skins = SkinSet::of(&plans);
         let meshes = skins.iter().map(|skin| skin.meshes.iter().copied());
         meshes.map(Iterator::collect).collect()
     }
 
     #[test]
-    fn an_instance_is_skinned_once_however_many_ask_for_it() {
+    fn a_skin_is_made_once_however_many_ask_for_it() {
         let (one, other) = (posed(), posed());
         let linear = |queries: &[(usize, usize)]| vertices(&one, Skinning::Linear, queries);
         let shown = |posed| picture(posed, ShowSkin::default());

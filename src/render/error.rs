@@ -1,15 +1,6 @@
-//! What a renderer gives back, and why it could not.
+//! Why a renderer gives nothing back. Never lives here: what it gives.
 
-use crate::frame::{Frame, SkinnedVertices};
 use crate::limits::LimitExceeded;
-
-/// The answer to a [`Plan`](super::Plan): what was wanted, and nothing else.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Outputs {
-    Picture(Frame),
-    /// One per queried mesh range, in the order of the query.
-    Vertices(Vec<SkinnedVertices>),
-}
 
 /// Why a plan has no outputs.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
