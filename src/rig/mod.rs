@@ -18,8 +18,8 @@ mod warnings;
 pub use clip::{Channel, Clip, Curve, Extrapolation, Interpolation, Key, slerp};
 pub use dof::{Dof, DofKind, Dofs};
 pub use draft::{
-    BindPose, BindingDraft, ChannelDraft, ClipDraft, Draft, JointDraft, MeshDraft, MorphDraft,
-    MorphForm, PartDraft, PartInVariant, RigError,
+    BindPose, BindingDraft, ChannelDraft, ChannelTarget, ClipDraft, Draft, JointDraft, MeshDraft,
+    MorphDraft, MorphForm, PartDraft, PartInVariant, RigError, RigProblem,
 };
 pub use light::{FileLight, FileLightKind};
 pub use material::{Highlight, Material, NormalMap, Opacity, TexturePlace, TextureTransform, Wrap};

@@ -2,7 +2,7 @@
 //! Never lives here: what the rows mean.
 
 use crate::formats::error::{FileFault, LoadError};
-use crate::formats::lexer::{Lexer, Token, parse_number};
+use crate::formats::text::lexer::{Lexer, Token, parse_number};
 use crate::limits::LimitExceeded;
 
 /// Keyword, count and, as a rule, an opening brace.

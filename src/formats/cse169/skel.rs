@@ -13,10 +13,10 @@
 //! Names are free words, or stand in double quotes, and are neither unique nor always there: a joint is known by its place in the order of
 //! appearance.
 
+use super::common::name_and_brace;
 use super::keywords::Keywords;
-use super::name_and_brace;
 use crate::formats::error::{FileFault, LoadError};
-use crate::formats::lexer::{Lexer, Token, parse_number};
+use crate::formats::text::lexer::{Lexer, Token, parse_number};
 use crate::limits::Limits;
 use crate::rig::{JointDraft, LARGEST_COORDINATE, Limit, Rotation, Warnings};
 use glam::DVec3;
@@ -43,7 +43,7 @@ const DEFAULT_BOX: [DVec3; 2] = [DVec3::splat(-0.1), DVec3::splat(0.1)];
 ///
 /// # Errors
 /// [`LoadError::Invalid`] at the first word that does not fit, [`LoadError::Limit`] at the first joint too many.
-pub(in crate::formats) fn read(
+pub(super) fn read(
     lexer: Lexer,
     limits: &Limits,
     warnings: &mut Warnings,

@@ -14,14 +14,20 @@
 //! and must be there where the mesh is read with a skeleton. The four rows of a matrix are its columns a, b, c and d: it takes
 //! points from the joint's own space to where it stood when the mesh was bound.
 
+use super::common::{name_and_brace, second};
 use super::keywords::{Keywords, PassedOver};
 use super::sections::{Brace, Section};
-use super::{name_and_brace, second};
+use crate::formats::contribution::{KnownSkeleton, MeshPart};
 use crate::formats::error::{FileFault, LoadError};
-use crate::formats::lexer::{Lexer, Token};
+use crate::formats::text::lexer::{Lexer, Token};
+use crate::formats::text::mention::Mention;
 use crate::limits::Limits;
-use crate::rig::{LARGEST_COORDINATE, MeshDraft, Warnings};
+use crate::rig::{
+    BindPose, BindingDraft, LARGEST_COORDINATE, Material, MeshDraft, PartDraft, Texture,
+    TexturePlace, Warnings,
+};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
+use std::sync::Arc;
 
 const SECTION: Keywords = Keywords(&[
     "positions",
@@ -36,7 +42,7 @@ const IN_MATERIAL: Keywords = Keywords(&["texture"]);
 
 /// A skin as its file has it; every index in it is in range.
 #[derive(Debug, Default)]
-pub(in crate::formats) struct Skin {
+pub(super) struct Skin {
     /// Its influences name `bindings`; no weight is negative.
     pub mesh: MeshDraft,
     /// `bind_from_joint` of every joint.
@@ -44,31 +50,66 @@ pub(in crate::formats) struct Skin {
     pub material: Option<SkinMaterial>,
 }
 
+impl Skin {
+    /// `texture` looks up the texture of its material.
+    pub fn into_part(
+        self,
+        is_bound: bool,
+        texture: impl FnOnce(&Mention) -> Option<Arc<Texture>>,
+    ) -> MeshPart {
+        let material = self.material.map(|material| Material {
+            texture: (material.texture.as_ref())
+                .and_then(texture)
+                .map(TexturePlace::plain),
+            ..Material::named(material.name)
+        });
+        let part = PartDraft {
+            triangle_count: self.mesh.triangles.len(),
+            material: material.as_ref().map(|_| 0),
+            is_flat: false,
+        };
+        let mut mesh = MeshDraft {
+            parts: vec![part],
+            ..self.mesh
+        };
+        let mut bindings = Vec::new();
+        if is_bound {
+            let of_joints = self.bindings.into_iter().enumerate();
+            bindings.extend(of_joints.map(|(joint, bind_from_joint)| BindingDraft {
+                file: None,
+                joint: Some(joint),
+                bind_pose: BindPose::BindFromJoint(bind_from_joint),
+            }));
+        } else {
+            // Without a skeleton the mesh stays as it was modelled.
+            mesh.influence_counts.clear();
+            mesh.influences.clear();
+        }
+        MeshPart {
+            mesh,
+            materials: material.into_iter().collect(),
+            bindings,
+        }
+    }
+}
+
+/// Whether a word, in lower case, starts a section.
+pub(super) fn is_keyword(word: &[u8]) -> bool {
+    SECTION.0.iter().any(|keyword| keyword.as_bytes() == word)
+}
+
 #[derive(Debug)]
-pub(in crate::formats) struct SkinMaterial {
+pub(super) struct SkinMaterial {
     pub name: String,
-    pub texture: Option<TextureName>,
-}
-
-#[derive(Debug)]
-pub(in crate::formats) struct TextureName {
-    pub file: String,
-    /// Where the skin says so: `file:line:column`.
-    pub place: String,
-}
-
-/// The skeleton that a skin is read with.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::formats) struct BoundTo<'a> {
-    pub file: &'a str,
-    pub joint_count: usize,
+    /// Its file.
+    pub texture: Option<Mention>,
 }
 
 /// # Errors
 /// [`LoadError::Invalid`] at the word that does not fit, [`LoadError::Limit`] where the file claims more than a ceiling allows.
-pub(in crate::formats) fn read(
+pub(super) fn read(
     lexer: Lexer,
-    skeleton: Option<BoundTo>,
+    skeleton: Option<KnownSkeleton>,
     limits: &Limits,
     warnings: &mut Warnings,
 ) -> Result<Skin, LoadError> {
@@ -226,15 +267,12 @@ impl<'a> Reader<'a, '_> {
         Ok(())
     }
 
-    fn read_texture_name(&mut self) -> Result<TextureName, FileFault> {
+    fn read_texture_name(&mut self) -> Result<Mention, FileFault> {
         let token = self.lexer.next_name();
         if matches!(token.text, "" | "{" | "}") {
             return Err(self.lexer.fault(token, "a file name after `texture`"));
         }
-        Ok(TextureName {
-            file: token.text.to_owned(),
-            place: self.lexer.place(token),
-        })
+        Ok(Mention::new(token, &self.lexer))
     }
 
     /// Some exporters write a section of no rows for what a mesh does not have.
@@ -287,7 +325,7 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
-    fn check_counts(&self, skeleton: Option<BoundTo>) -> Result<(), FileFault> {
+    fn check_counts(&self, skeleton: Option<KnownSkeleton>) -> Result<(), FileFault> {
         let positions = self.skin.mesh.positions.len();
         let differs = |section: &Section<'a>, expected: String| {
             Err(self.lexer.fault(section.count_token, expected))
@@ -305,9 +343,9 @@ impl<'a> Reader<'a, '_> {
             }
         }
         if let (Some(section), Some(skeleton)) = (self.section(Part::Bindings), skeleton)
-            && section.count != skeleton.joint_count
+            && section.count != skeleton.joints.len()
         {
-            let (joints, file) = (skeleton.joint_count, skeleton.file);
+            let (joints, file) = (skeleton.joints.len(), skeleton.file);
             return differs(
                 &section,
                 format!("{joints} bindings, one for each joint of `{file}`"),

@@ -6,8 +6,8 @@ use super::nodes::{Nodes, is_unit};
 use crate::formats::error::LoadError;
 use crate::limits::Limits;
 use crate::rig::{
-    Axis, ChannelDraft, ClipDraft, Curve, DofKind, Extrapolation, Interpolation, JointDraft, Key,
-    Warnings,
+    Axis, ChannelDraft, ChannelTarget, ClipDraft, Curve, DofKind, Extrapolation, Interpolation,
+    JointDraft, Key, Warnings,
 };
 use glam::DQuat;
 use gltf_json::Animation;
@@ -146,10 +146,12 @@ impl AnimationReader<'_> {
             for (component, target) in targets.into_iter().enumerate() {
                 let rest = offset_of(target, of_joint);
                 let curve = sampled.curve(component, rest);
+                let target = ChannelTarget::Dof(target);
                 channels.push(ChannelDraft::Dof { target, curve });
             }
         }
         Ok(ClipDraft {
+            file: None,
             name: faults.name(
                 animation.name.as_deref(),
                 &format!("animations[{index}]"),

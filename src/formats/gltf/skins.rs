@@ -132,8 +132,9 @@ impl<'a> Skins<'a> {
             .map(f64::to_bits);
         *self.known.entry((joint, bits)).or_insert_with(|| {
             draft.bindings.push(BindingDraft {
+                file: None,
                 joint: Some(joint),
-                stood: BindPose::JointFromBind(joint_from_bind),
+                bind_pose: BindPose::JointFromBind(joint_from_bind),
             });
             draft.bindings.len() as u32 - 1
         })

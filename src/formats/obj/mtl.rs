@@ -10,17 +10,17 @@
 //! option := "-s" u [v [w]] | "-o" u [v [w]] | "-clamp" ("on" | "off") | other        scale, offset, no repeating
 //! ```
 
-use super::mention::Mention;
 use super::statements::Statements;
 use crate::formats::error::quoted;
-use crate::formats::lexer::{Token, parse_number};
+use crate::formats::text::lexer::{Token, parse_number};
+use crate::formats::text::mention::Mention;
 use crate::rig::{TextureTransform, Warnings, Wrap, linear_from_srgb};
 use glam::{Vec2, Vec3};
 use std::collections::HashSet;
 
 /// A material as its file has it. Colors are linear.
 #[derive(Debug, Default)]
-pub(in crate::formats) struct Mtl {
+pub(super) struct Mtl {
     pub name: String,
     pub diffuse: Option<Vec3>,
     pub specular: Option<Vec3>,
@@ -34,7 +34,7 @@ pub(in crate::formats) struct Mtl {
 
 /// A picture and how it lies.
 #[derive(Debug)]
-pub(in crate::formats) struct Map {
+pub(super) struct Map {
     pub file: Mention,
     pub wrap: Wrap,
     pub picture_from_texcoord: TextureTransform,
@@ -42,14 +42,14 @@ pub(in crate::formats) struct Map {
 
 /// What a library has.
 #[derive(Debug)]
-pub(in crate::formats) struct Library {
+pub(super) struct Library {
     /// Each name comes once.
     pub materials: Vec<Mtl>,
     /// Files of textures that are not shown.
     pub passed_over: Vec<String>,
 }
 
-pub(in crate::formats) fn read(file: &str, text: &str, warnings: &mut Warnings) -> Library {
+pub(super) fn read(file: &str, text: &str, warnings: &mut Warnings) -> Library {
     let mut reader = Reader {
         statements: Statements::new(file, text),
         materials: Vec::new(),

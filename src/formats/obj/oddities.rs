@@ -1,7 +1,7 @@
 //! What an OBJ has that could be worked with, but should not be there: a warning for each kind. Never lives here: finding it.
 
 use crate::formats::error::quoted;
-use crate::formats::lexer::{Lexer, Token};
+use crate::formats::text::lexer::{Lexer, Token};
 use crate::rig::Warnings;
 
 /// Where something is for the first time that could be worked with, but should not be there.

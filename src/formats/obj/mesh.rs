@@ -16,24 +16,23 @@
 //! ```
 //! Statements end with their line, and so do names. A corner names what stands above it.
 
-mod odd;
 #[cfg(test)]
 mod tests;
 
 use super::draw_vertices::{DrawVertices, Look, Normal};
-use super::mention::{Mention, Mentions};
+use super::oddities::Odd;
 use super::polygon::{self, Cutter, Misfit};
 use super::statements::{Statements, is_not_a_number};
 use crate::formats::error::{FileFault, LoadError, quoted};
-use crate::formats::lexer::Token;
+use crate::formats::text::lexer::Token;
+use crate::formats::text::mention::{Mention, Mentions};
 use crate::limits::Limits;
 use crate::rig::{MeshDraft, PartDraft, Warnings, linear_from_srgb};
 use glam::{Vec2, Vec3, Vec4};
-use odd::Odd;
 
 /// An OBJ as its file has it.
 #[derive(Debug)]
-pub(in crate::formats) struct Obj {
+pub(super) struct Obj {
     /// Every index of it is in range; it has no name and no weights. Materials of its parts are indices into `materials`.
     pub mesh: MeshDraft,
     /// Files of materials, in the order of the file.
@@ -44,7 +43,7 @@ pub(in crate::formats) struct Obj {
 
 /// # Errors
 /// [`LoadError::Invalid`] at the word or line end that does not fit, [`LoadError::Limit`] at the first vertex or triangle too many.
-pub(in crate::formats) fn read(
+pub(super) fn read(
     file: &str,
     text: &str,
     limits: &Limits,
