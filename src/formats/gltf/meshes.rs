@@ -183,8 +183,8 @@ impl MeshReader<'_, '_> {
         let hold = |more: usize| Ok(self.limits.influences(before.saturating_add(more))?);
         let held = mesh.influences.len();
         let of_node = || self.skins.rigid(bound.joint, self.draft);
-        let breaches = influences::add(mesh, primitive, &read, bound, of_node, hold)?;
-        breaches.warn(faults, path, &mut self.draft.warnings);
+        let violations = influences::add(mesh, primitive, &read, bound, of_node, hold)?;
+        violations.warn(faults, path, &mut self.draft.warnings);
         self.totals.influences += mesh.influences.len() - held;
         self.add_displacements(primitive, &read, first as u32, first_morph)?;
         let triangle_count = self.add_triangles(mesh, primitive, mode, &read, first as u32)?;

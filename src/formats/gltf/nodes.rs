@@ -1,7 +1,7 @@
-//! The scene graph as a skeleton: every node that matters becomes a joint. Never lives here: what hangs on the nodes.
+//! The scene graph as a skeleton: every node that can move something drawn becomes a joint. Never lives here: what the nodes carry.
 
+use super::extensions::light_of;
 use super::fault::Faults;
-use super::lights;
 use crate::formats::error::LoadError;
 use crate::limits::Limits;
 use crate::rig::{JointDraft, Rotation, Warnings};
@@ -22,20 +22,20 @@ pub(super) struct Nodes {
     /// By node, whether it belongs to the scene that is drawn.
     pub is_in_scene: Vec<bool>,
     /// Of nodes that are no joints but carry a light, or have one below them.
-    places: BTreeMap<usize, Place>,
+    light_transforms: BTreeMap<usize, NodeTransform>,
     pub forest: Forest,
 }
 
-/// Where a node stands.
+/// Where a node is.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct NodeTransform {
     /// `None` of what stands still.
     pub joint: Option<usize>,
     /// Without a joint it leads to the world.
     pub joint_from_node: DAffine3,
 }
 
-/// How the nodes of a document stand below each other, joints or not.
+/// Which nodes of a document are below which, joints or not.
 #[derive(Debug)]
 pub(super) struct Forest {
     parents: Vec<Option<usize>>,
@@ -99,18 +99,18 @@ impl Nodes {
         let order = depth_first(faults, root, &parents, &roots)?;
         let is_in_scene = in_scene(&parents, &order, &roots);
         let is_lit = leading_to_lights(root, &parents, &order, &is_in_scene);
-        let matters = mattering(faults, root, (&parents, &order), &is_in_scene, &is_lit)?;
+        let is_joint = joint_nodes(faults, root, (&parents, &order), &is_in_scene, &is_lit)?;
         let mut nodes = Self {
             joints: Vec::new(),
             node_of: Vec::new(),
             joint_of: vec![None; root.nodes.len()],
             is_in_scene,
-            places: BTreeMap::new(),
+            light_transforms: BTreeMap::new(),
             forest: Forest::new(parents, &order),
         };
         for node in order {
             let parent = nodes.forest.parents[node];
-            if !matters[node] {
+            if !is_joint[node] {
                 if is_lit[node] {
                     nodes.place_light(faults, root, node, parent, warnings);
                 }
@@ -126,15 +126,15 @@ impl Nodes {
     }
 
     /// Of a node that is a joint or leads to a light; `None` where numbers of it or above it are not finite.
-    pub fn place(&self, node: usize) -> Option<Place> {
-        let joint = self.joint_of[node].map(|joint| Place {
+    pub fn transform(&self, node: usize) -> Option<NodeTransform> {
+        let joint = self.joint_of[node].map(|joint| NodeTransform {
             joint: Some(joint),
             joint_from_node: DAffine3::IDENTITY,
         });
-        joint.or_else(|| self.places.get(&node).copied())
+        joint.or_else(|| self.light_transforms.get(&node).copied())
     }
 
-    /// Nobody needs a node whose light cannot be placed, so that is no fault.
+    /// A light whose node has no usable transform is left out, so that is no fault.
     fn place_light(
         &mut self,
         faults: Faults<'_>,
@@ -144,11 +144,11 @@ impl Nodes {
         warnings: &mut Warnings,
     ) {
         let above = match parent {
-            None => Some(Place {
+            None => Some(NodeTransform {
                 joint: None,
                 joint_from_node: DAffine3::IDENTITY,
             }),
-            Some(parent) => self.place(parent),
+            Some(parent) => self.transform(parent),
         };
         let own = joint(faults, node, &root.nodes[node], None, warnings).ok();
         if let (Some(above), Some(own)) = (above, own) {
@@ -157,11 +157,11 @@ impl Nodes {
                 own.rest_rotation.quaternion(own.rotation_order),
                 own.offset,
             );
-            let place = Place {
+            let transform = NodeTransform {
                 joint: above.joint,
                 joint_from_node: above.joint_from_node * parent_from_node,
             };
-            self.places.insert(node, place);
+            self.light_transforms.insert(node, transform);
         }
     }
 }
@@ -205,7 +205,7 @@ fn depth_first(
             open.extend(children.rev().map(Index::value));
         }
     }
-    // Each node has one parent at most, so those that no root leads to hang on one another in rings.
+    // Each node has one parent at most, so those that no root leads to are below one another in rings.
     match is_met.iter().position(|is_met| !is_met) {
         Some(node) => {
             let path = format!("nodes[{node}]");
@@ -261,20 +261,20 @@ fn in_scene(parents: &[Option<usize>], order: &[usize], scene_roots: &[usize]) -
 }
 
 /// By node, whether it is to be a joint.
-fn mattering(
+fn joint_nodes(
     faults: Faults<'_>,
     root: &Root,
     (parents, order): (&[Option<usize>], &[usize]),
     is_in_scene: &[bool],
     is_lit: &[bool],
 ) -> Result<Vec<bool>, LoadError> {
-    let mut matters: Vec<bool> = root
+    let mut is_joint: Vec<bool> = root
         .nodes
         .iter()
         .map(|node| !only_looks_or_lights(node))
         .collect();
-    for (matters, is_in_scene) in matters.iter_mut().zip(is_in_scene) {
-        *matters &= is_in_scene;
+    for (is_joint, is_in_scene) in is_joint.iter_mut().zip(is_in_scene) {
+        *is_joint &= is_in_scene;
     }
     // A light that an animation moves needs something to be moved by.
     for channel in root.animations.iter().flat_map(|it| &it.channels) {
@@ -282,7 +282,7 @@ fn mattering(
         let moves =
             matches!(channel.target.path, Checked::Valid(it) if it != Property::MorphTargetWeights);
         if moves && is_lit.get(node) == Some(&true) {
-            matters[node] = true;
+            is_joint[node] = true;
         }
     }
     let mut is_known = vec![false; root.skins.len()];
@@ -301,16 +301,16 @@ fn mattering(
         for (place, joint) in of_skin.joints.iter().enumerate() {
             let path = format!("skins[{}].joints[{place}]", skin.value());
             faults.get(&root.nodes, "nodes", *joint, &path)?;
-            matters[joint.value()] = true;
+            is_joint[joint.value()] = true;
         }
     }
-    // What moves something that matters does so too.
+    // What moves a joint is one too.
     for &node in order.iter().rev() {
-        if let Some(parent) = parents[node].filter(|_| matters[node]) {
-            matters[parent] = true;
+        if let Some(parent) = parents[node].filter(|_| is_joint[node]) {
+            is_joint[parent] = true;
         }
     }
-    Ok(matters)
+    Ok(is_joint)
 }
 
 /// By node, whether it carries a light of the scene or is above one.
@@ -322,7 +322,7 @@ fn leading_to_lights(
 ) -> Vec<bool> {
     let mut leads = vec![false; root.nodes.len()];
     for &node in order.iter().rev() {
-        leads[node] |= is_in_scene[node] && lights::is_carried_by(&root.nodes[node]);
+        leads[node] |= is_in_scene[node] && light_of(&root.nodes[node]).is_some();
         if let Some(parent) = parents[node].filter(|_| leads[node]) {
             leads[parent] = true;
         }
@@ -331,7 +331,7 @@ fn leading_to_lights(
 }
 
 fn only_looks_or_lights(node: &Node) -> bool {
-    (node.camera.is_some() || lights::is_carried_by(node)) && node.mesh.is_none()
+    (node.camera.is_some() || light_of(node).is_some()) && node.mesh.is_none()
 }
 
 /// Whether it is of length 1 as far as quaternions of bytes can be, which the Khronos validator allows too.
@@ -365,34 +365,11 @@ fn joint(
             }
             decomposed(faults, &path, matrix, warnings)
         }
-        None => {
-            let given = node.rotation.unwrap_or_default().0.map(f64::from);
-            // Its largest number is made 1 first: the square of a length can vanish or overflow where the length does not.
-            let largest = given
-                .iter()
-                .fold(0.0f64, |largest, it| largest.max(it.abs()));
-            let quaternion = DQuat::from_array(given.map(|it| it / largest));
-            let is_rotation = largest > 0.0 && quaternion.is_finite();
-            if !is_rotation {
-                warnings.push(|| {
-                    faults.warning(&format!("{path}.rotation is no rotation and left out"))
-                });
-            }
-            if is_rotation && !is_unit(DQuat::from_array(given)) {
-                let sentence = format!("{path}.rotation is no unit quaternion and is made one");
-                warnings.push(|| faults.warning(&sentence));
-            }
-            let rotation = if is_rotation {
-                quaternion.normalize()
-            } else {
-                DQuat::IDENTITY
-            };
-            (
-                node.scale.map_or(DVec3::ONE, vector),
-                rotation,
-                node.translation.map_or(DVec3::ZERO, vector),
-            )
-        }
+        None => (
+            node.scale.map_or(DVec3::ONE, vector),
+            rotation_of(faults, &path, node, warnings),
+            node.translation.map_or(DVec3::ZERO, vector),
+        ),
     };
     if !(scale.is_finite() && translation.is_finite()) {
         return Err(faults.load(&path, "a finite translation and scale", "another"));
@@ -407,6 +384,29 @@ fn joint(
         scales: true,
         ..JointDraft::default()
     })
+}
+
+/// The rotation of a node without a matrix, as a unit quaternion.
+fn rotation_of(faults: Faults<'_>, path: &str, node: &Node, warnings: &mut Warnings) -> DQuat {
+    let given = node.rotation.unwrap_or_default().0.map(f64::from);
+    // Its largest number is made 1 first: the square of a length can vanish or overflow where the length does not.
+    let largest = given
+        .iter()
+        .fold(0.0f64, |largest, it| largest.max(it.abs()));
+    let quaternion = DQuat::from_array(given.map(|it| it / largest));
+    let is_rotation = largest > 0.0 && quaternion.is_finite();
+    if !is_rotation {
+        warnings.push(|| faults.warning(&format!("{path}.rotation is no rotation and left out")));
+    }
+    if is_rotation && !is_unit(DQuat::from_array(given)) {
+        let sentence = format!("{path}.rotation is no unit quaternion and is made one");
+        warnings.push(|| faults.warning(&sentence));
+    }
+    if is_rotation {
+        quaternion.normalize()
+    } else {
+        DQuat::IDENTITY
+    }
 }
 
 /// Scale, rotation and translation. What they cannot express is left out with a warning.

@@ -1,7 +1,8 @@
 //! Textures of materials: which picture, how it is decoded, and how it lies. Never lives here: what a material does with one.
 
 use super::accessors::Accessors;
-use super::buffers::{self, Bytes};
+use super::buffers;
+use super::bytes::Bytes;
 use crate::formats::error::{LoadError, quoted};
 use crate::formats::files::{Files, Gathered};
 use crate::formats::names::base_name;
@@ -34,7 +35,7 @@ pub(super) struct Textures<'a> {
 }
 
 /// A texture that a material names, in the words of the file.
-pub(super) struct Named {
+pub(super) struct TextureRef {
     texture: Index<gltf_json::Texture>,
     /// Of texture coordinates.
     pub set: u32,
@@ -52,10 +53,10 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// Where a texture lies. `None` where its picture cannot be had.
-    pub fn place(
+    /// A texture and how it is laid on a surface. `None` where its picture cannot be had.
+    pub fn slot(
         &mut self,
-        named: &Named,
+        named: &TextureRef,
         (encoding, alpha): Decoding,
         path: &str,
         files: &mut Files<'_>,
@@ -160,12 +161,12 @@ impl<'a> Textures<'a> {
         };
         match (&of_file.uri, of_file.buffer_view) {
             (_, Some(view)) => {
-                let bytes = buffers.view(root, view, &format!("{own}.bufferView"))?.0;
-                Ok(Ok((Bytes::Here(bytes), format!("image_{index}"))))
+                let view = buffers.view(root, view, &format!("{own}.bufferView"))?;
+                Ok(Ok((view.bytes, format!("image_{index}"))))
             }
             (Some(uri), None) => {
                 match buffers::open(faults, &format!("{own}.uri"), uri, self.from, files) {
-                    Ok(bytes) => Ok(Ok((Bytes::Decoded(bytes), name_of(uri, index)))),
+                    Ok(bytes) => Ok(Ok((Bytes::Shared(bytes), name_of(uri, index)))),
                     Err(LoadError::Invalid(fault)) => {
                         Ok(Err(format!("{}: {}", fault.expected, fault.found)))
                     }
@@ -196,7 +197,7 @@ impl<'a> Textures<'a> {
     }
 }
 
-impl Named {
+impl TextureRef {
     pub fn color(info: &gltf_json::texture::Info) -> Self {
         let transform = info
             .extensions
