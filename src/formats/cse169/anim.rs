@@ -210,9 +210,9 @@ impl<'a> Reader<'a, '_> {
 
     fn read_keys(&mut self, keyword: Token<'a>) -> Result<Vec<Key<f64>>, LoadError> {
         let (so_far, limits) = (self.key_count, self.limits);
-        let hold = |count: u64| limits.keys(count.saturating_add(so_far));
+        let check_limit = |count: u64| limits.keys(count.saturating_add(so_far));
         let lexer = &mut self.lexer;
-        let section = Section::open(lexer, keyword, ("key", "keys"), Brace::Needed, hold)?;
+        let section = Section::open(lexer, keyword, ("key", "keys"), Brace::Needed, check_limit)?;
         let mut last_time = f64::NEG_INFINITY;
         let drawn = section.read_rows(lexer, 8, |lexer, row| {
             let place = || section.in_row(row);

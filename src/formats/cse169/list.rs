@@ -100,8 +100,8 @@ impl<'a> Reader<'a, '_> {
     fn read_morphs(&mut self, keyword: Token<'a>) -> Result<(), LoadError> {
         self.once(keyword)?;
         let (nouns, limits) = (("morph target", "morph targets"), self.limits);
-        let hold = |count| limits.morph_targets(count);
-        let section = Section::open(&mut self.lexer, keyword, nouns, Brace::Needed, hold)?;
+        let check_limit = |count| limits.morph_targets(count);
+        let section = Section::open(&mut self.lexer, keyword, nouns, Brace::Needed, check_limit)?;
         let entries = section.read_rows(&mut self.lexer, 2, |lexer, row| {
             // The word is free to stand there, but a file may also be called that.
             let mut ahead = lexer.clone();

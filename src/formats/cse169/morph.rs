@@ -119,8 +119,8 @@ impl<'a> Reader<'a, '_> {
         let limits = self.limits;
         let so_far = [&self.positions, &self.normals].map(|rows| rows.as_ref().map_or(0, Vec::len));
         let so_far = so_far.iter().sum::<usize>() as u64;
-        let hold = |count: u64| limits.morph_displacements(count.saturating_add(so_far));
-        let section = Section::open(&mut self.lexer, keyword, nouns, Brace::Needed, hold)?;
+        let check_limit = |count: u64| limits.morph_displacements(count.saturating_add(so_far));
+        let section = Section::open(&mut self.lexer, keyword, nouns, Brace::Needed, check_limit)?;
         let mut listed = Listed::of(self.mesh);
         section.read_rows(&mut self.lexer, 8, |lexer, row| {
             let place = || section.in_row(row);

@@ -222,13 +222,13 @@ impl<'a> Reader<'a, '_> {
             return Err(second(&self.lexer, keyword).into());
         }
         let limits = self.limits;
-        let hold = |count| match part {
+        let check_limit = |count| match part {
             Part::Triangles => limits.triangles(count),
             Part::Bindings => limits.joints(count),
             _ => limits.vertices(count),
         };
         let lexer = &mut self.lexer;
-        let section = Section::open(lexer, keyword, part.nouns(), part.brace(), hold)?;
+        let section = Section::open(lexer, keyword, part.nouns(), part.brace(), check_limit)?;
         self.sections[part as usize] = Some(section);
         let skin = &mut self.skin;
         match part {

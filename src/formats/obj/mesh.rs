@@ -19,9 +19,9 @@
 #[cfg(test)]
 mod tests;
 
-use super::draw_vertices::{DrawVertices, Look, Normal};
-use super::oddities::Odd;
-use super::polygon::{self, Cutter, Misfit};
+use super::draw_vertices::{CornerAttributes, DrawVertices, Normal};
+use super::oddities::Oddities;
+use super::polygon::{self, NotTriangulated, Triangulator};
 use super::statements::{Statements, is_not_a_number};
 use crate::formats::error::{FileFault, LoadError, quoted};
 use crate::formats::text::lexer::Token;
@@ -63,9 +63,9 @@ pub(super) fn read(
         smoothing: Smoothing::Unsaid,
         libraries: Mentions::default(),
         materials: Mentions::default(),
-        cutter: Cutter::new(),
+        triangulator: Triangulator::new(),
         face: Face::default(),
-        odd: Odd::default(),
+        oddities: Oddities::default(),
     };
     reader.read_statements()?;
     reader.finish(warnings)
@@ -88,9 +88,9 @@ struct Reader<'a> {
     smoothing: Smoothing,
     libraries: Mentions,
     materials: Mentions,
-    cutter: Cutter,
+    triangulator: Triangulator,
     face: Face,
-    odd: Odd<'a>,
+    oddities: Oddities<'a>,
 }
 
 /// How faces are lit whose corners have no normals.
@@ -142,7 +142,7 @@ impl<'a> Reader<'a> {
                 }
                 text => {
                     if !is_read_over(text) {
-                        self.odd.unknown.get_or_insert(keyword);
+                        self.oddities.unknown.get_or_insert(keyword);
                     }
                     self.statements.skip_rest();
                 }
@@ -156,10 +156,10 @@ impl<'a> Reader<'a> {
         if self.positions.is_empty() {
             // A file of another kind is told at its first word, not only at its end.
             return Err(lexer
-                .fault(self.odd.unknown.unwrap_or(end), "`v x y z`")
+                .fault(self.oddities.unknown.unwrap_or(end), "`v x y z`")
                 .into());
         }
-        self.odd.warn(lexer, warnings);
+        self.oddities.warn(lexer, warnings);
         if let Some(glued) = self.statements.glued {
             warnings.push(|| {
                 let (place, word) = (lexer.place(glued), quoted(glued.text));
@@ -234,7 +234,7 @@ impl<'a> Reader<'a> {
     fn channel_at(&mut self, word: Token<'a>, keyword: Token<'a>) -> Result<f32, FileFault> {
         let channel = self.loose_number_at(word, keyword)?.unwrap_or(1.0);
         if !(0.0..=1.0).contains(&channel) {
-            self.odd.color_out_of_range.get_or_insert(word);
+            self.oddities.color_out_of_range.get_or_insert(word);
         }
         Ok(linear_from_srgb(channel.clamp(0.0, 1.0).into()))
     }
@@ -273,7 +273,7 @@ impl<'a> Reader<'a> {
         keyword: Token<'a>,
     ) -> Result<Option<f32>, FileFault> {
         if is_not_a_number(word) {
-            self.odd.not_a_number.get_or_insert(word);
+            self.oddities.not_a_number.get_or_insert(word);
             return Ok(None);
         }
         self.number_at(word, keyword).map(Some)
@@ -296,7 +296,7 @@ impl<'a> Reader<'a> {
     fn read_name(&mut self, keyword: Token<'a>) -> Option<Token<'a>> {
         let name = self.statements.rest();
         if name.is_none() {
-            self.odd.nameless.get_or_insert(keyword);
+            self.oddities.nameless.get_or_insert(keyword);
         }
         name
     }
@@ -308,8 +308,8 @@ impl<'a> Reader<'a> {
             ("on", _) => Smoothing::Group(1),
             (_, Ok(group)) => Smoothing::Group(group),
             (_, Err(_)) => {
-                let odd = if word.ends_line() { keyword } else { word };
-                self.odd.group.get_or_insert(odd);
+                let what = if word.ends_line() { keyword } else { word };
+                self.oddities.group.get_or_insert(what);
                 Smoothing::Off
             }
         };
@@ -332,7 +332,7 @@ impl<'a> Reader<'a> {
             self.limits.triangles(triangles)?;
         }
         if face.corners.len() < 3 {
-            self.odd.too_few_corners.get_or_insert(keyword);
+            self.oddities.too_few_corners.get_or_insert(keyword);
         } else {
             self.add_face(&mut face, keyword)?;
         }
@@ -363,7 +363,7 @@ impl<'a> Reader<'a> {
         draw_vertices.clear();
         for corner in &*corners {
             let given = corner.normal.map(|index| self.normals[index]);
-            let look = Look {
+            let attributes = CornerAttributes {
                 texcoord: corner.texcoord.map(|index| self.texcoords[index]),
                 // One of no length says nothing.
                 normal: match given.filter(|normal| *normal != Vec3::ZERO) {
@@ -373,13 +373,13 @@ impl<'a> Reader<'a> {
             };
             let of_file = self.positions.len();
             let drawn = &mut self.draw_vertices;
-            draw_vertices.push(drawn.of_corner(corner.vertex, look, of_file, self.limits)?);
+            draw_vertices.push(drawn.of_corner(corner.vertex, attributes, of_file, self.limits)?);
         }
         let before = self.triangles.len();
         if let [a, b, c] = draw_vertices[..] {
             self.triangles.push([a, b, c]);
         } else {
-            self.cut(positions, draw_vertices, keyword);
+            self.add_polygon(positions, draw_vertices, keyword);
         }
         let has_normals = corners.iter().any(|corner| corner.normal.is_some());
         let part = PartDraft {
@@ -396,20 +396,20 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn cut(&mut self, positions: &[Vec3], draw_vertices: &[u32], keyword: Token<'a>) {
+    fn add_polygon(&mut self, positions: &[Vec3], draw_vertices: &[u32], keyword: Token<'a>) {
         let numbered = |triangle: [usize; 3]| triangle.map(|corner| draw_vertices[corner]);
-        let misfit = match self.cutter.cut(positions) {
+        let reason = match self.triangulator.triangulate(positions) {
             Ok(triangles) => {
                 self.triangles.extend(triangles.into_iter().map(numbered));
                 return;
             }
-            Err(misfit) => misfit,
+            Err(reason) => reason,
         };
-        let odd = match misfit {
-            Misfit::CrossesItself => &mut self.odd.crosses_itself,
-            Misfit::TooMuchWork => &mut self.odd.too_much_work,
+        let slot = match reason {
+            NotTriangulated::CrossesItself => &mut self.oddities.crosses_itself,
+            NotTriangulated::TooMuchWork => &mut self.oddities.too_much_work,
         };
-        odd.get_or_insert(keyword);
+        slot.get_or_insert(keyword);
         let fan = polygon::fan(positions.len());
         self.triangles.extend(fan.map(numbered));
     }
@@ -431,11 +431,11 @@ impl<'a> Reader<'a> {
         let vertex = self.index_at(vertex, self.positions.len(), "vertices")?;
         let mut texcoord = present(texcoord);
         if self.texcoords.is_empty() && texcoord.take().is_some() {
-            self.odd.no_texcoords.get_or_insert(word);
+            self.oddities.no_texcoords.get_or_insert(word);
         }
         let mut normal = present(normal);
         if self.normals.is_empty() && normal.take().is_some() {
-            self.odd.no_normals.get_or_insert(word);
+            self.oddities.no_normals.get_or_insert(word);
         }
         let texcoord_at = |part| self.index_at(part, self.texcoords.len(), "texture coordinates");
         let normal_at = |part| self.index_at(part, self.normals.len(), "normals");

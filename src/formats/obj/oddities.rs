@@ -6,7 +6,7 @@ use crate::rig::Warnings;
 
 /// Where something is for the first time that could be worked with, but should not be there.
 #[derive(Debug, Default)]
-pub(super) struct Odd<'a> {
+pub(super) struct Oddities<'a> {
     /// A statement that is not read and not to be expected either.
     pub unknown: Option<Token<'a>>,
     pub not_a_number: Option<Token<'a>>,
@@ -20,7 +20,7 @@ pub(super) struct Odd<'a> {
     pub nameless: Option<Token<'a>>,
 }
 
-impl Odd<'_> {
+impl Oddities<'_> {
     pub fn warn(&self, lexer: &Lexer, warnings: &mut Warnings) {
         let mut told = [
             (
