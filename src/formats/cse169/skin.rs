@@ -14,6 +14,10 @@
 //! and must be there where the mesh is read with a skeleton. The four rows of a matrix are its columns a, b, c and d: it takes
 //! points from the joint's own space to where it stood when the mesh was bound.
 
+mod rows;
+#[cfg(test)]
+mod tests;
+
 use super::common::{name_and_brace, second};
 use super::keywords::{Keywords, PassedOver};
 use super::sections::{Brace, Section};
@@ -23,10 +27,9 @@ use crate::formats::text::lexer::{Lexer, Token};
 use crate::formats::text::mention::Mention;
 use crate::limits::Limits;
 use crate::rig::{
-    BindPose, BindingDraft, LARGEST_COORDINATE, Material, MeshDraft, PartDraft, Texture,
-    TexturePlace, Warnings,
+    BindPose, BindingDraft, Material, MeshDraft, PartDraft, Texture, TexturePlace, Warnings,
 };
-use glam::{DAffine3, DVec3, Vec2, Vec3};
+use glam::DAffine3;
 use std::sync::Arc;
 
 const SECTION: Keywords = Keywords(&[
@@ -232,14 +235,14 @@ impl<'a> Reader<'a, '_> {
         self.sections[part as usize] = Some(section);
         let skin = &mut self.skin;
         match part {
-            Part::Positions => skin.mesh.positions = read_vectors(&section, lexer)?,
-            Part::Normals => skin.mesh.normals = Some(read_vectors(&section, lexer)?),
-            Part::Texcoords => skin.mesh.texcoords = Some(read_texcoords(&section, lexer)?),
-            Part::Triangles => skin.mesh.triangles = read_triangles(&section, lexer)?,
-            Part::Bindings => skin.bindings = read_bindings(&section, lexer)?,
+            Part::Positions => skin.mesh.positions = rows::vectors(&section, lexer)?,
+            Part::Normals => skin.mesh.normals = Some(rows::vectors(&section, lexer)?),
+            Part::Texcoords => skin.mesh.texcoords = Some(rows::texcoords(&section, lexer)?),
+            Part::Triangles => skin.mesh.triangles = rows::triangles(&section, lexer)?,
+            Part::Bindings => skin.bindings = rows::bindings(&section, lexer)?,
             Part::Skinweights => {
                 let influences = &mut skin.mesh.influences;
-                skin.mesh.influence_counts = read_weights(&section, lexer, influences, limits)?;
+                skin.mesh.influence_counts = rows::weights(&section, lexer, influences, limits)?;
             }
         }
         Ok(())
@@ -393,97 +396,3 @@ impl<'a> Reader<'a, '_> {
         Err(self.lexer.fault(token, expected))
     }
 }
-
-fn read_vectors<'a>(section: &Section<'a>, lexer: &mut Lexer<'a>) -> Result<Vec<Vec3>, LoadError> {
-    section.read_rows(lexer, 6, |lexer, row| {
-        let numbers = lexer.numbers(|| section.in_row(row))?;
-        Ok(DVec3::from_array(numbers).as_vec3())
-    })
-}
-
-fn read_texcoords<'a>(
-    section: &Section<'a>,
-    lexer: &mut Lexer<'a>,
-) -> Result<Vec<Vec2>, LoadError> {
-    section.read_rows(lexer, 4, |lexer, row| {
-        let [u, v] = lexer.numbers(|| section.in_row(row))?;
-        Ok(Vec2::new(u as f32, v as f32))
-    })
-}
-
-fn read_triangles<'a>(
-    section: &Section<'a>,
-    lexer: &mut Lexer<'a>,
-) -> Result<Vec<[u32; 3]>, LoadError> {
-    section.read_rows(lexer, 6, |lexer, row| {
-        let mut triangle = [0; 3];
-        for corner in &mut triangle {
-            *corner = read_index(lexer, || section.in_row(row))?;
-        }
-        Ok(triangle)
-    })
-}
-
-fn read_bindings<'a>(
-    section: &Section<'a>,
-    lexer: &mut Lexer<'a>,
-) -> Result<Vec<DAffine3>, LoadError> {
-    section.read_rows(lexer, 31, |lexer, row| {
-        let place = || section.in_row(row);
-        let keyword = lexer.expect("matrix", place)?;
-        lexer.expect("{", place)?;
-        let numbers: [f64; 12] = lexer.numbers(place)?;
-        lexer.expect("}", || format!("after 12 numbers {}", place()))?;
-        let bind_from_joint = DAffine3::from_cols_array(&numbers);
-        // As the rig will ask: an inverse beyond its numbers is rounding error.
-        let inverse = bind_from_joint.inverse().to_cols_array();
-        if !inverse
-            .iter()
-            .all(|entry| entry.abs() <= LARGEST_COORDINATE)
-        {
-            let expected = format!("a matrix that can be inverted {}", place());
-            return Err(lexer
-                .fault_found(keyword, expected, "one that cannot")
-                .into());
-        }
-        Ok(bind_from_joint)
-    })
-}
-
-fn read_weights<'a>(
-    section: &Section<'a>,
-    lexer: &mut Lexer<'a>,
-    influences: &mut Vec<(u32, f64)>,
-    limits: &Limits,
-) -> Result<Vec<u32>, LoadError> {
-    section.read_rows(lexer, 2, |lexer, row| {
-        let place = || section.in_row(row);
-        let (count, count_token) = lexer.whole(place)?;
-        limits.influences((influences.len() as u64).saturating_add(count))?;
-        let Ok(count) = u32::try_from(count) else {
-            let expected = format!("a number of influences below 2^32 {}", place());
-            return Err(lexer.fault(count_token, expected).into());
-        };
-        for _ in 0..count {
-            let joint = read_index(lexer, place)?;
-            let start = lexer.offset();
-            let weight = lexer.number(place)?;
-            if weight < 0.0 {
-                let token = lexer.from(start).next();
-                let expected = format!("a weight that is not negative {}", place());
-                return Err(lexer.fault(token, expected).into());
-            }
-            influences.push((joint, weight));
-        }
-        Ok(count)
-    })
-}
-
-/// One that does not fit becomes the largest, which is out of every range.
-fn read_index(lexer: &mut Lexer, place: impl Fn() -> String) -> Result<u32, FileFault> {
-    let (index, _) = lexer.whole(place)?;
-    Ok(u32::try_from(index).unwrap_or(u32::MAX))
-}
-
-#[cfg(test)]
-mod tests;

@@ -2,7 +2,8 @@
 
 use super::accessors::{Accessors, Requirement};
 use super::fault::Faults;
-use super::nodes::{Nodes, is_unit};
+use super::joints::is_unit;
+use super::nodes::Nodes;
 use super::normalize::NO_NODE;
 use crate::formats::error::LoadError;
 use crate::limits::Limits;

@@ -68,6 +68,53 @@ fn chunks<'a>(
     bytes: &'a [u8],
     warnings: &mut Warnings,
 ) -> Result<(&'a [u8], Option<&'a [u8]>), FileFault> {
+    let mut rest = behind_header(faults, bytes, warnings)?;
+    let mut warn = |sentence: String| warnings.push(|| faults.warning(&sentence));
+    let (mut json, mut binary) = (None, None);
+    for place in 0.. {
+        if rest.is_empty() {
+            break;
+        }
+        if json.is_some() && rest.len() < CHUNK_HEADER {
+            let more = rest.len();
+            warn(format!("{more} bytes after its last chunk are passed over"));
+            break;
+        }
+        let chunk = Chunk::read(faults, rest, json.is_none())?;
+        rest = chunk.after;
+        let (size, name) = (chunk.content.len(), chunk.name());
+        if size % 4 != 0 {
+            warn(format!(
+                "the chunk {name} of {size} bytes is not padded to a multiple of 4"
+            ));
+        }
+        let slot = match &chunk.kind {
+            b"JSON" => &mut json,
+            b"BIN\0" => &mut binary,
+            _ => {
+                warn(format!("a chunk of the unknown type {name} is passed over"));
+                continue;
+            }
+        };
+        if slot.is_some() {
+            warn(format!("a further chunk {name} is passed over"));
+            continue;
+        }
+        if chunk.kind == *b"BIN\0" && place != 1 {
+            warn(format!("the chunk {name} is not the second one"));
+        }
+        *slot = Some(chunk.content);
+    }
+    let json = json.ok_or_else(|| faults.whole("a JSON chunk", "the end of the file"))?;
+    Ok((json, binary))
+}
+
+/// What follows the header of a binary file, up to the end that it tells of.
+fn behind_header<'a>(
+    faults: Faults<'_>,
+    bytes: &'a [u8],
+    warnings: &mut Warnings,
+) -> Result<&'a [u8], FileFault> {
     let [Some(version), Some(length)] = [word(bytes, 4), word(bytes, 8)] else {
         let found = format!("{} bytes", bytes.len());
         return Err(faults.whole("a header of 12 bytes", found));
@@ -80,62 +127,54 @@ fn chunks<'a>(
         let expected = format!("the {length} bytes that its header tells of");
         return Err(faults.whole(expected, bytes.len().to_string()));
     }
-    let mut warn = |sentence: String| warnings.push(|| faults.warning(&sentence));
     if length < bytes.len() {
         let more = bytes.len() - length;
-        warn(format!("{more} bytes after its end are passed over"));
+        let sentence = format!("{more} bytes after its end are passed over");
+        warnings.push(|| faults.warning(&sentence));
     }
-    let mut rest = &bytes[12..length];
-    let (mut json, mut binary) = (None, None);
-    for place in 0.. {
-        if rest.is_empty() {
-            break;
-        }
-        let (kind, size, after) = match (word(rest, 4), word(rest, 0)) {
-            (Some(kind), Some(size)) => (kind.to_le_bytes(), size as usize, &rest[8..]),
-            _ if json.is_none() => {
-                return Err(faults.whole("a chunk's header", "the end of the file"));
-            }
-            _ => {
-                let more = rest.len();
-                warn(format!("{more} bytes after its last chunk are passed over"));
-                break;
-            }
+    Ok(&bytes[12..length])
+}
+
+/// In bytes: size and type.
+const CHUNK_HEADER: usize = 8;
+
+struct Chunk<'a> {
+    kind: [u8; 4],
+    content: &'a [u8],
+    /// What follows it.
+    after: &'a [u8],
+}
+
+impl<'a> Chunk<'a> {
+    fn read(faults: Faults<'_>, bytes: &'a [u8], is_first: bool) -> Result<Self, FileFault> {
+        let (Some(size), Some(kind)) = (word(bytes, 0), word(bytes, 4)) else {
+            return Err(faults.whole("a chunk's header", "the end of the file"));
         };
-        let name = quoted(String::from_utf8_lossy(&kind).trim_end_matches('\0'));
-        if json.is_none() && kind != *b"JSON" {
+        let (kind, size) = (kind.to_le_bytes(), size as usize);
+        let name = chunk_name(kind);
+        if is_first && kind != *b"JSON" {
             let found = format!("one of type {name}");
             return Err(faults.whole("a JSON chunk first", found));
         }
+        let after = &bytes[CHUNK_HEADER..];
         let Some((content, after)) = after.split_at_checked(size) else {
             let expected = format!("a chunk {name} of {size} bytes");
             return Err(faults.whole(expected, format!("{} more", after.len())));
         };
-        if size % 4 != 0 {
-            warn(format!(
-                "the chunk {name} of {size} bytes is not padded to a multiple of 4"
-            ));
-        }
-        rest = after;
-        let slot = match &kind {
-            b"JSON" => &mut json,
-            b"BIN\0" => &mut binary,
-            _ => {
-                warn(format!("a chunk of the unknown type {name} is passed over"));
-                continue;
-            }
-        };
-        if slot.is_some() {
-            warn(format!("a further chunk {name} is passed over"));
-            continue;
-        }
-        if kind == *b"BIN\0" && place != 1 {
-            warn(format!("the chunk {name} is not the second one"));
-        }
-        *slot = Some(content);
+        Ok(Self {
+            kind,
+            content,
+            after,
+        })
     }
-    let json = json.ok_or_else(|| faults.whole("a JSON chunk", "the end of the file"))?;
-    Ok((json, binary))
+
+    fn name(&self) -> String {
+        chunk_name(self.kind)
+    }
+}
+
+fn chunk_name(kind: [u8; 4]) -> String {
+    quoted(String::from_utf8_lossy(&kind).trim_end_matches('\0'))
 }
 
 /// Four bytes as a number.

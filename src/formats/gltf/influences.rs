@@ -51,14 +51,14 @@ struct Set {
 }
 
 /// Adds those of all vertices of a primitive to its mesh. A vertex without weights follows the mesh's node, whose binding `of_node` gives.
-/// `hold` holds how many influences there will be against their ceiling.
+/// `check_limit` checks how many influences there will be.
 pub(super) fn add(
     mesh: &mut MeshDraft,
     primitive: &Primitive,
     read: &VertexReader<'_>,
     bound: &Bound,
     mut of_node: impl FnMut() -> u32,
-    hold: impl FnOnce(usize) -> Result<(), LoadError>,
+    check_limit: impl FnOnce(usize) -> Result<(), LoadError>,
 ) -> Result<Violations, LoadError> {
     let faults = read.accessors.faults;
     let mut violations = Violations::default();
@@ -66,7 +66,7 @@ pub(super) fn add(
     let bindings = match &bound.skin {
         Some(bindings) if !sets.is_empty() => bindings,
         skin => {
-            hold(read.count)?;
+            check_limit(read.count)?;
             mesh.influence_counts.extend(repeat_n(1, read.count));
             let whole = (of_node(), 1.0);
             mesh.influences.extend(repeat_n(whole, read.count));
@@ -78,7 +78,7 @@ pub(super) fn add(
             return Ok(violations);
         }
     };
-    hold(4 * sets.len() * read.count)?;
+    check_limit(4 * sets.len() * read.count)?;
     let mut of_sets = Vec::with_capacity(sets.len());
     for set in sets {
         let number = set.number;

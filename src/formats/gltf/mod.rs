@@ -13,6 +13,7 @@ mod empty_members;
 mod extensions;
 mod fault;
 mod influences;
+mod joints;
 mod json_fault;
 mod lights;
 mod materials;

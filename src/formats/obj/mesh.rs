@@ -19,6 +19,7 @@
 #[cfg(test)]
 mod tests;
 
+use super::corner::{Above, Corner};
 use super::draw_vertices::{CornerAttributes, DrawVertices, Normal};
 use super::oddities::Oddities;
 use super::polygon::{self, NotTriangulated, Triangulator};
@@ -108,14 +109,6 @@ struct Face {
     corners: Vec<Corner>,
     positions: Vec<Vec3>,
     draw_vertices: Vec<u32>,
-}
-
-/// Indices of what is in range.
-#[derive(Debug, Clone, Copy)]
-struct Corner {
-    vertex: u32,
-    texcoord: Option<usize>,
-    normal: Option<usize>,
 }
 
 impl<'a> Reader<'a> {
@@ -321,12 +314,19 @@ impl<'a> Reader<'a> {
     fn read_face(&mut self, keyword: Token<'a>) -> Result<(), LoadError> {
         let mut face = std::mem::take(&mut self.face);
         face.corners.clear();
+        let above = Above {
+            vertices: self.positions.len(),
+            texcoords: self.texcoords.len(),
+            normals: self.normals.len(),
+        };
         loop {
             let word = self.statements.next_value();
             if word.ends_line() {
                 break;
             }
-            face.corners.push(self.read_corner(word)?);
+            let (lexer, oddities) = (&self.statements.lexer, &mut self.oddities);
+            face.corners
+                .push(Corner::read(word, above, lexer, oddities)?);
             // A triangle for each corner after the second.
             let triangles = self.triangles.len() + face.corners.len().saturating_sub(2);
             self.limits.triangles(triangles)?;
@@ -412,54 +412,6 @@ impl<'a> Reader<'a> {
         slot.get_or_insert(keyword);
         let fan = polygon::fan(positions.len());
         self.triangles.extend(fan.map(numbered));
-    }
-
-    fn read_corner(&mut self, word: Token<'a>) -> Result<Corner, FileFault> {
-        let mut offset = word.offset;
-        let mut parts = word.text.split('/').map(|text| {
-            let part = Token { text, offset };
-            offset += text.len() + 1;
-            part
-        });
-        let [vertex, texcoord, normal] = std::array::from_fn(|_| parts.next());
-        if parts.next().is_some() {
-            let expected = "a corner of at most 3 parts, `v/vt/vn`";
-            return Err(self.statements.lexer.fault(word, expected));
-        }
-        let present = |part: Option<Token<'a>>| part.filter(|part| !part.text.is_empty());
-        let vertex = present(vertex).unwrap_or(word);
-        let vertex = self.index_at(vertex, self.positions.len(), "vertices")?;
-        let mut texcoord = present(texcoord);
-        if self.texcoords.is_empty() && texcoord.take().is_some() {
-            self.oddities.no_texcoords.get_or_insert(word);
-        }
-        let mut normal = present(normal);
-        if self.normals.is_empty() && normal.take().is_some() {
-            self.oddities.no_normals.get_or_insert(word);
-        }
-        let texcoord_at = |part| self.index_at(part, self.texcoords.len(), "texture coordinates");
-        let normal_at = |part| self.index_at(part, self.normals.len(), "normals");
-        Ok(Corner {
-            // `limits.vertices` counts them all.
-            vertex: vertex as u32,
-            texcoord: texcoord.map(texcoord_at).transpose()?,
-            normal: normal.map(normal_at).transpose()?,
-        })
-    }
-
-    /// The index from 0 that `part` stands for, where `count` things are above it.
-    fn index_at(&self, part: Token<'a>, count: usize, many: &str) -> Result<usize, FileFault> {
-        let index = part.text.parse().ok().and_then(|told: isize| {
-            if told < 0 {
-                count.checked_add_signed(told)
-            } else {
-                told.unsigned_abs().checked_sub(1)
-            }
-        });
-        index.filter(|&index| index < count).ok_or_else(|| {
-            let expected = format!("one of the {count} {many} above, counted from 1");
-            self.statements.lexer.fault(part, expected)
-        })
     }
 }
 

@@ -1,6 +1,7 @@
 //! OBJ: one mesh, and the materials of the libraries that it names. Each module doc has the grammar of its file.
 //! Never lives here: how a mesh is bound to a skeleton.
 
+mod corner;
 mod draw_vertices;
 mod materials;
 mod mesh;
