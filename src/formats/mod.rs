@@ -1,9 +1,9 @@
 //! From files to a [`Rig`]: finds out what each file is, reads it, and looks up what it refers to.
 //! Never lives here: posing, drawing, and any file name that the request did not give.
 //!
-//! A load goes through these files in turn: [`files`] has the bytes, [`recognise`] finds the format of each file by the table in
-//! [`readers`], [`parts`] tells which files are the rig and whether they go together, [`assemble`] has each one read and puts what they
-//! contribute together to a [`Draft`](crate::rig::Draft), which the rig is built from.
+//! A load goes through these files in turn: `files` has the bytes, `recognise` finds the format of each file by the table in `readers`,
+//! `parts` tells which files are the rig and whether they go together, `assemble` has each one read and puts what they contribute together
+//! to a [`Draft`](crate::rig::Draft), which the rig is built from.
 
 mod assemble;
 mod context;

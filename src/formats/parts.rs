@@ -1,4 +1,4 @@
-//! Which files a rig is made of, told apart by what they contribute, and whether they go together.
+//! Which files a rig is made of, by what they contribute, and whether they go together.
 //! Never lives here: what is in them, but for a list of files.
 
 use super::context::Context;

@@ -126,8 +126,8 @@ impl<'a> Reader<'a, '_> {
     fn read_channel(&mut self, keyword: Token<'a>) -> Result<(), LoadError> {
         let Some((announced, _)) = self.announced else {
             let expected = "`numchannels` before the first `channel`";
-            let told_at = self.passed_over.of("numchannels").unwrap_or(keyword);
-            return Err(self.lexer.fault(told_at, expected).into());
+            let reported_at = self.passed_over.of("numchannels").unwrap_or(keyword);
+            return Err(self.lexer.fault(reported_at, expected).into());
         };
         let number = self.curves.len() as u64;
         if number == announced {
@@ -151,8 +151,8 @@ impl<'a> Reader<'a, '_> {
                 "}" if keys.is_some() => break,
                 "}" => {
                     let expected = format!("`keys` in channel {number}");
-                    let told_at = passed_over.of("keys").unwrap_or(word);
-                    return Err(self.lexer.fault(told_at, expected).into());
+                    let reported_at = passed_over.of("keys").unwrap_or(word);
+                    return Err(self.lexer.fault(reported_at, expected).into());
                 }
                 "" => {
                     let (line, column) = self.lexer.line_column(keyword);
@@ -247,8 +247,8 @@ impl<'a> Reader<'a, '_> {
     /// Holds the number of channels against what was announced. `end` is the brace, or the end of the file.
     fn check_end(&self, end: Token<'a>) -> Result<(), FileFault> {
         let Some((announced, _)) = self.announced else {
-            let told_at = self.passed_over.of("numchannels").unwrap_or(end);
-            return Err(self.lexer.fault(told_at, "`numchannels`"));
+            let reported_at = self.passed_over.of("numchannels").unwrap_or(end);
+            return Err(self.lexer.fault(reported_at, "`numchannels`"));
         };
         let channels = self.curves.len();
         let noun = if announced == 1 {
@@ -271,8 +271,8 @@ impl<'a> Reader<'a, '_> {
         match self.range {
             Some(_) => Ok(()),
             None => {
-                let told_at = self.passed_over.of("range").unwrap_or(end);
-                Err(self.lexer.fault(told_at, "`range`"))
+                let reported_at = self.passed_over.of("range").unwrap_or(end);
+                Err(self.lexer.fault(reported_at, "`range`"))
             }
         }
     }

@@ -66,8 +66,8 @@ impl<'a> Reader<'a, '_> {
                 "morphs" => self.read_morphs(word)?,
                 "}" if self.entries.is_empty() => {
                     let expected = "`skeleton`, `skin` or `morphs` with a file's name";
-                    let told_at = first_unknown.unwrap_or(word);
-                    return Err(self.lexer.fault(told_at, expected).into());
+                    let reported_at = first_unknown.unwrap_or(word);
+                    return Err(self.lexer.fault(reported_at, expected).into());
                 }
                 "}" => break,
                 "" => return Err(self.lexer.fault(word, "`}` to end the `rig`").into()),

@@ -75,8 +75,8 @@ impl<'a> Reader<'a, '_> {
                 "" => {
                     // Where nothing is known, it is no morph target from its first word on.
                     let otherwise = if self.normals.is_some() { word } else { first };
-                    let told_at = passed_over.of("positions").unwrap_or(otherwise);
-                    return Err(self.lexer.fault(told_at, "`positions`").into());
+                    let reported_at = passed_over.of("positions").unwrap_or(otherwise);
+                    return Err(self.lexer.fault(reported_at, "`positions`").into());
                 }
                 _ => {
                     let near = SECTION.skip_unknown(&mut self.lexer, word, self.warnings)?;
@@ -152,7 +152,7 @@ impl<'a> Listed<'a> {
     }
 
     /// # Errors
-    /// What should have stood there instead.
+    /// What was expected instead.
     fn add(&mut self, vertex: u64) -> Result<u32, String> {
         let index = usize::try_from(vertex).unwrap_or(usize::MAX);
         match self.seen.get_mut(index) {

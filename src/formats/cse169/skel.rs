@@ -54,7 +54,7 @@ pub(super) fn read(
         warnings,
         joints: Vec::new(),
         open: Vec::new(),
-        orient_told: false,
+        orient_reported: false,
         like_degrees: None,
     };
     reader.read_root()?;
@@ -73,7 +73,7 @@ struct Reader<'a, 'w> {
     joints: Vec<JointDraft>,
     /// From the root down. A stack of our own: a file's depth must not become the depth of calls.
     open: Vec<OpenJoint<'a>>,
-    orient_told: bool,
+    orient_reported: bool,
     /// The first property whose angles look like degrees, and how many there are.
     like_degrees: Option<(Token<'a>, usize)>,
 }
@@ -256,7 +256,7 @@ impl<'a> Reader<'a, '_> {
         while parse_number(self.lexer.peek().text).is_some() {
             self.lexer.next();
         }
-        if !std::mem::replace(&mut self.orient_told, true) {
+        if !std::mem::replace(&mut self.orient_reported, true) {
             let lexer = &self.lexer;
             self.warnings
                 .push(|| format!("{}: `orient` is not used", lexer.place(word)));

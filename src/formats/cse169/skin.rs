@@ -12,7 +12,7 @@
 //! ```
 //! Vertices and joints are counted from 0. `positions` and `triangles` must be there; `skinweights` and `bindings` stand together,
 //! and must be there where the mesh is read with a skeleton. The four rows of a matrix are its columns a, b, c and d: it takes
-//! points from the joint's own space to where it stood when the mesh was bound.
+//! points from the joint's space to the space of the bind pose.
 
 mod rows;
 #[cfg(test)]
@@ -307,9 +307,9 @@ impl<'a> Reader<'a, '_> {
         let otherwise = self.first_word.filter(|_| nothing_known).unwrap_or(end);
         let missing = |part: Part, reason: &str| {
             let keyword = part.keyword();
-            let told_at = self.passed_over.of(keyword).unwrap_or(otherwise);
+            let reported_at = self.passed_over.of(keyword).unwrap_or(otherwise);
             let expected = format!("`{keyword}`{reason}");
-            Err(self.lexer.fault(told_at, expected))
+            Err(self.lexer.fault(reported_at, expected))
         };
         if !has(Part::Positions) {
             return missing(Part::Positions, "");

@@ -239,7 +239,7 @@ impl AnimationReader<'_> {
 }
 
 /// The times of keys, those of several at one time apart by as little as can be: the curve jumps there to the last of them. Between two
-/// times of f32 there is room for half a thousand million of f64.
+/// times of f32 there are half a thousand million of f64.
 fn apart(times: &[f32]) -> Vec<f64> {
     let mut next = f64::INFINITY;
     let mut apart: Vec<f64> = times.iter().copied().map(f64::from).collect();
@@ -250,7 +250,7 @@ fn apart(times: &[f32]) -> Vec<f64> {
     apart
 }
 
-/// What a DOF is less than what the file has: translations are told from rest.
+/// By how much a DOF is less than the value in the file: translations are relative to rest.
 fn offset_of(target: DofKind, joint: &JointDraft) -> f64 {
     match target {
         DofKind::Translation { axis, .. } => joint.offset[axis.index()],

@@ -14,7 +14,7 @@ pub(super) fn not_json(faults: Faults<'_>, text: &str, error: &serde_json::Error
     let there = line.chars().nth(column).map(|it| quoted(&it.to_string()));
     let there = there.unwrap_or_else(|| "the end of the line".to_owned());
     let message = error.to_string();
-    // The place is told beside it.
+    // The fault has the place as numbers.
     let message = message.split(" at line ").next().unwrap_or_default();
     let (expected, found) = match message {
         _ if error.is_eof() => ("more JSON".to_owned(), "the end of the file".to_owned()),

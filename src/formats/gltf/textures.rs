@@ -128,15 +128,16 @@ impl<'a> Textures<'a> {
         let Some(of_file) = root.images.get(index) else {
             return;
         };
-        let told = of_file.mime_type.as_ref().map(|it| it.0.as_str());
-        let told = told.or(of_file.uri.as_deref().and_then(buffers::media_type));
+        let declared = of_file.mime_type.as_ref().map(|it| it.0.as_str());
+        let declared = declared.or(of_file.uri.as_deref().and_then(buffers::media_type));
         let found = image::guess_format(bytes).ok();
         let found = found.map(|format| format.to_mime_type());
-        if let (Some(told), Some(found)) = (told, found.filter(|it| told != Some(*it))) {
-            let told = quoted(told);
+        if let (Some(declared), Some(found)) = (declared, found.filter(|it| declared != Some(*it)))
+        {
+            let declared = quoted(declared);
             warnings.push(|| {
                 faults.warning(&format!(
-                    "images[{index}] is called {told}, but is `{found}`"
+                    "images[{index}] is called {declared}, but is `{found}`"
                 ))
             });
         }

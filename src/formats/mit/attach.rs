@@ -49,7 +49,7 @@ impl<'a> Reader<'a> {
     fn read_rows(&mut self) -> Result<(), LoadError> {
         let mut first = self.lexer.next();
         if self.skeleton.joints.len() < 2 {
-            // Its rows would be empty, and could not be told from lines that do not count.
+            // Its rows would be empty, like lines that do not count.
             let expected = "a skeleton with joints besides its root";
             let found = format!("`{}` without any", self.skeleton.file);
             return Err(self.lexer.fault_found(first, expected, found).into());

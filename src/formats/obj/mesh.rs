@@ -147,7 +147,7 @@ impl<'a> Reader<'a> {
         let lexer = &self.statements.lexer;
         let end = lexer.peek();
         if self.positions.is_empty() {
-            // A file of another kind is told at its first word, not only at its end.
+            // A file of another kind is at fault from its first unknown word on, not only at its end.
             return Err(lexer
                 .fault(self.oddities.unknown.unwrap_or(end), "`v x y z`")
                 .into());

@@ -232,7 +232,7 @@ impl<'a> Reader<'a> {
     }
 
     fn warn(&self, warnings: &mut Warnings) {
-        let mut told = [
+        let mut found = [
             (Oddity::NotShown, "is not shown, nor is its like"),
             (
                 Oddity::Value,
@@ -248,8 +248,8 @@ impl<'a> Reader<'a> {
             ),
         ]
         .map(|(oddity, what)| (self.oddities[oddity as usize], what));
-        told.sort_by_key(|(token, _)| token.map(|token| token.offset));
-        for (token, what) in told {
+        found.sort_by_key(|(token, _)| token.map(|token| token.offset));
+        for (token, what) in found {
             if let Some(token) = token {
                 let lexer = &self.statements.lexer;
                 warnings.push(|| format!("{}: {} {what}", lexer.place(token), quoted(token.text)));
@@ -327,8 +327,8 @@ fn transform(scale: Vec2, offset: Vec2) -> TextureTransform {
     }
 }
 
-/// What is given otherwise here, or says nothing that can be shown: ambient light is the request's, refraction and models of light are
-/// not told apart.
+/// What is given otherwise here, or says nothing that can be shown: ambient light is the request's, and there
+/// is neither refraction nor a choice of lighting models.
 fn is_read_over(keyword: &str) -> bool {
     matches!(
         keyword,

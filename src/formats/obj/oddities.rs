@@ -22,7 +22,7 @@ pub(super) struct Oddities<'a> {
 
 impl Oddities<'_> {
     pub fn warn(&self, lexer: &Lexer, warnings: &mut Warnings) {
-        let mut told = [
+        let mut found = [
             (
                 self.unknown,
                 "is not read here; skipped, and its like as well",
@@ -64,8 +64,8 @@ impl Oddities<'_> {
                 "names nothing; it is passed over, and its like as well",
             ),
         ];
-        told.sort_by_key(|(token, _)| token.map(|token| token.offset));
-        for (token, what) in told {
+        found.sort_by_key(|(token, _)| token.map(|token| token.offset));
+        for (token, what) in found {
             if let Some(token) = token {
                 warnings.push(|| format!("{}: {} {what}", lexer.place(token), quoted(token.text)));
             }

@@ -140,7 +140,7 @@ fn triangulated(outline: &[DVec2]) -> Option<Vec<[usize; 3]>> {
         .sum();
     /// Of the area, for rounding.
     const TOLERANCE: f64 = 1e-6;
-    // What touches itself in other ways than a face with a hole does has no inside to be told.
+    // An outline that touches itself in other ways than one with a seam to a hole has no defined inside.
     ((area - whole).abs() <= TOLERANCE * whole).then_some(triangles)
 }
 

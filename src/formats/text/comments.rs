@@ -109,7 +109,7 @@ fn next_comment(text: &str, mut at: usize) -> Option<(usize, End)> {
 }
 
 /// Where a word that starts as a number goes on as a comment. A name may be a number as well, and `2#2` is how repeated names are
-/// told apart: digits alone behind a `#` are no comment.
+/// told apart: digits alone after a `#` are no comment.
 fn mark_behind_number(word: &str) -> Option<usize> {
     let mark = word.find(['/', '#'])?;
     let (number, rest) = word.split_at(mark);

@@ -1,4 +1,4 @@
-//! Words of a text with their line and column: what separates them, what a number is, how a fault at one is told.
+//! Words of a text with their line and column: what separates them, what a number is, how a fault at one is reported.
 //! Never lives here: any word's meaning.
 
 use super::Position;
@@ -11,7 +11,7 @@ use std::ops::Range;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::formats) struct Token<'a> {
     pub text: &'a str,
-    /// In bytes. Line and column are counted only where one is told.
+    /// In bytes. Line and column are counted only for a message.
     pub offset: usize,
 }
 

@@ -188,7 +188,7 @@ mod tests {
         let mut draft = draft(Vec::new());
         draft.joints[0].parent = Some(1);
         let error = draft.build(&Limits::default()).map(drop);
-        let error = error.expect_err("a parent stands behind");
+        let error = error.expect_err("a parent comes after its child");
         assert_eq!(error.file.as_deref(), Some("a.skel"));
     }
 }

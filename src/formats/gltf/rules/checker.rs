@@ -29,7 +29,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Where a word or a number is none of those that are known. What is read in its place stands behind.
+    /// Warns of a word or a number that is not known. `instead` says what is read in its place.
     pub fn check_known<T>(
         &mut self,
         value: &Checked<T>,
