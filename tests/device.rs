@@ -7,8 +7,8 @@ use rigd::formats::Source;
 use rigd::frame::Outputs;
 use rigd::limits::Limits;
 use rigd::pose::{Pose, PoseEdit, Posed, Skinning};
-use rigd::render::gpu::Gpu;
 use rigd::render::Plan;
+use rigd::render::gpu::Gpu;
 use rigd::scene::{
     Background, Camera, Cull, Light, Orbit, Samples, Scene, Shape, Show, ShowNormals, ShowSkeleton,
     ShowSkin, Size, Surface, VertexQuery,

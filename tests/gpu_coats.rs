@@ -835,7 +835,8 @@ fn crowd(count: usize) -> Draft {
     };
     let binding = |index| BindingDraft {
         joint: Some(index),
-        stood: BindPose::JointFromBind(DAffine3::IDENTITY),
+        file: None,
+        bind_pose: BindPose::JointFromBind(DAffine3::IDENTITY),
     };
     Draft {
         joints: (0..count).map(joint).collect(),

@@ -1,6 +1,10 @@
 //! From bytes to text: which encodings are read, and where in a text an offset is.
 //! Never lives here: words and grammar.
 
+pub(super) mod comments;
+pub(super) mod lexer;
+pub(super) mod mention;
+
 use super::error::FileFault;
 use crate::rig::Warnings;
 use std::borrow::Cow;
@@ -83,18 +87,18 @@ pub(super) fn without_bom(bytes: &[u8]) -> &[u8] {
 
 /// Line and column of a byte offset, both from 1, the column in characters.
 pub(super) fn line_column(text: &str, offset: usize) -> (usize, usize) {
-    Place::START.advanced(text, offset).line_column(text)
+    Position::START.advanced(text, offset).line_column(text)
 }
 
-/// How far into a text, counted in lines. CR LF, a lone CR and a lone LF each end one.
+/// An offset into a text, and the line that it is in. CR LF, a lone CR and a lone LF each end one.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct Position {
     offset: usize,
     line: usize,
     line_start: usize,
 }
 
-impl Place {
+impl Position {
     pub(super) const START: Self = Self {
         offset: 0,
         line: 1,
@@ -105,7 +109,7 @@ impl Place {
         self.offset
     }
 
-    /// Counts on to `offset`, which lies ahead of this place and not between a CR and its LF.
+    /// Counts on to `offset`, which lies ahead of this position and not between a CR and its LF.
     pub(super) fn advanced(mut self, text: &str, offset: usize) -> Self {
         let bytes = text.as_bytes();
         for at in self.offset..offset {
@@ -233,8 +237,8 @@ mod tests {
             ('f', (6, 5)),
         ] {
             let offset = text.find(word).unwrap_or(0);
-            let place = Place::START.advanced(text, offset);
-            assert_eq!(place.line_column(text), wanted, "{word}");
+            let position = Position::START.advanced(text, offset);
+            assert_eq!(position.line_column(text), wanted, "{word}");
         }
     }
 }

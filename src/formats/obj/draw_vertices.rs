@@ -5,9 +5,9 @@ use crate::limits::{LimitExceeded, Limits};
 use glam::{DVec3, Vec2, Vec3};
 use std::collections::{HashMap, HashSet};
 
-/// What a corner of a face has besides its place.
+/// What a corner of a face has besides its position.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Look {
+pub(super) struct CornerAttributes {
     pub texcoord: Option<Vec2>,
     pub normal: Normal,
 }
@@ -21,15 +21,15 @@ pub(super) enum Normal {
     Given(Vec3),
 }
 
-/// The bits of a look, to compare by: exporters write equal values many times over, so that their indices say nothing.
+/// The bits of them, to compare by: exporters write equal values many times over, so that their indices say nothing.
 type Key = [u32; 6];
 
 #[derive(Debug, Default)]
 pub(super) struct DrawVertices {
     /// What the first corner at each vertex of the file has; `None` of one that is of no face.
-    first: Vec<Option<Look>>,
+    first: Vec<Option<CornerAttributes>>,
     /// What other corners have, each with its vertex.
-    copies: Vec<(u32, Look)>,
+    copies: Vec<(u32, CornerAttributes)>,
     numbers: HashMap<(u32, Key), u32>,
     /// Sums of area vectors, by vertex and smoothing group.
     groups: HashMap<(u32, u32), DVec3>,
@@ -55,7 +55,7 @@ impl DrawVertices {
     pub fn of_corner(
         &mut self,
         vertex: u32,
-        look: Look,
+        corner: CornerAttributes,
         vertex_count: usize,
         limits: &Limits,
     ) -> Result<u32, LimitExceeded> {
@@ -63,15 +63,15 @@ impl DrawVertices {
         if self.first.len() <= index {
             self.first.resize(index + 1, None);
         }
-        let first = *self.first[index].get_or_insert(look);
-        if first.key() == look.key() {
+        let first = *self.first[index].get_or_insert(corner);
+        if first.key() == corner.key() {
             return Ok(vertex);
         }
         let next = self.copies.len() as u32;
-        let number = *self.numbers.entry((vertex, look.key())).or_insert(next);
+        let number = *self.numbers.entry((vertex, corner.key())).or_insert(next);
         if number == next {
             limits.vertices(vertex_count + self.copies.len() + 1)?;
-            self.copies.push((vertex, look));
+            self.copies.push((vertex, corner));
         }
         Ok(COPY | number)
     }
@@ -102,11 +102,17 @@ impl DrawVertices {
             groups,
             ..
         } = self;
-        let looks = || {
-            let of_file = (0..).zip(&first).map(|(vertex, look)| (vertex, *look));
-            of_file.chain(copies.iter().map(|(vertex, look)| (*vertex, Some(*look))))
+        let corners = || {
+            let of_file = (0..).zip(&first).map(|(vertex, corner)| (vertex, *corner));
+            of_file.chain(
+                copies
+                    .iter()
+                    .map(|(vertex, corner)| (*vertex, Some(*corner))),
+            )
         };
-        let normal = |(vertex, look): (u32, Option<Look>)| match look.map(|look| look.normal) {
+        let normal = |(vertex, corner): (u32, Option<CornerAttributes>)| match corner
+            .map(|corner| corner.normal)
+        {
             None | Some(Normal::Smooth) => Vec3::ZERO,
             Some(Normal::Given(normal)) => normal,
             Some(Normal::OfGroup(group)) => {
@@ -114,14 +120,19 @@ impl DrawVertices {
                 sum.unwrap_or_default().normalize_or_zero().as_vec3()
             }
         };
-        let texcoord = |(_, look): (u32, Option<Look>)| look.and_then(|look| look.texcoord);
-        let has_texcoords = looks().any(|it| texcoord(it).is_some());
-        let is_given = |look: Look| !matches!(look.normal, Normal::Smooth);
-        let has_normals = looks().any(|(_, look)| look.is_some_and(is_given));
+        let texcoord = |(_, corner): (u32, Option<CornerAttributes>)| {
+            corner.and_then(|corner| corner.texcoord)
+        };
+        let has_texcoords = corners().any(|it| texcoord(it).is_some());
+        let is_given = |corner: CornerAttributes| !matches!(corner.normal, Normal::Smooth);
+        let has_normals = corners().any(|(_, corner)| corner.is_some_and(is_given));
         Split {
-            normals: has_normals.then(|| looks().map(normal).collect()),
-            texcoords: has_texcoords
-                .then(|| looks().map(|it| texcoord(it).unwrap_or_default()).collect()),
+            normals: has_normals.then(|| corners().map(normal).collect()),
+            texcoords: has_texcoords.then(|| {
+                corners()
+                    .map(|it| texcoord(it).unwrap_or_default())
+                    .collect()
+            }),
             copies: copies.iter().map(|(vertex, _)| *vertex).collect(),
         }
     }
@@ -130,9 +141,9 @@ impl DrawVertices {
     /// copies by vertex.
     fn set_apart(&mut self) -> HashMap<u32, u32> {
         let mut several = HashSet::new();
-        for (vertex, look) in &self.copies {
+        for (vertex, corner) in &self.copies {
             let first = self.first[*vertex as usize];
-            if first.is_some_and(|first| first.normal.key() != look.normal.key()) {
+            if first.is_some_and(|first| first.normal.key() != corner.normal.key()) {
                 several.insert(*vertex);
             }
         }
@@ -151,7 +162,7 @@ impl DrawVertices {
     }
 }
 
-impl Look {
+impl CornerAttributes {
     fn key(&self) -> Key {
         let [kind, x, y, z] = self.normal.key();
         // No number that is read is NaN.

@@ -1,25 +1,17 @@
 //! The materials that an OBJ names, looked up in its libraries. Never lives here: the grammar of either.
 
-use super::error::quoted;
-use super::files::{Files, Gathered};
-use super::mit::mention::Mention;
-use super::mit::mtl::{self, Map, Mtl};
-use super::mit::obj::Obj;
-use super::recognise::Kind;
-use super::source::Denied;
-use super::textures::Textures;
-use crate::rig::{Highlight, Material, MeshDraft, Opacity, PartDraft, TexturePlace, Warnings};
+use super::mesh::Obj;
+use super::mtl::{self, Map, Mtl};
+use crate::formats::context::Context;
+use crate::formats::contribution::MeshPart;
+use crate::formats::error::quoted;
+use crate::formats::files::Gathered;
+use crate::formats::source::Denied;
+use crate::formats::text::mention::Mention;
+use crate::rig::{Highlight, Material, MeshDraft, Opacity, PartDraft, TexturePlace};
 use glam::Vec3;
 use std::collections::HashMap;
 use std::sync::Arc;
-
-/// Where materials are looked for, and where they go.
-pub(super) struct MaterialLookup<'a, 'f, 't> {
-    pub files: &'a mut Files<'f>,
-    pub textures: &'a mut Textures<'t>,
-    pub materials: &'a mut Vec<Material>,
-    pub warnings: &'a mut Warnings,
-}
 
 /// A library that was found.
 struct Library {
@@ -27,10 +19,30 @@ struct Library {
     materials: Vec<Mtl>,
 }
 
-impl MaterialLookup<'_, '_, '_> {
-    /// Adds the materials that faces of `obj`, which was read from `file`, have, and returns its mesh with indices of them. One that no
-    /// library has is a warning, and so is a library or a texture that cannot be had.
-    pub fn resolve(&mut self, file: &Gathered, obj: Obj) -> MeshDraft {
+/// The mesh that was read from `file`, with the materials that its faces have. One that no library has is a warning, and so is a library or
+/// a texture that cannot be had.
+pub(super) fn resolve(file: &Gathered, obj: Obj, context: &mut Context) -> MeshPart {
+    let mut lookup = Lookup {
+        context,
+        materials: Vec::new(),
+    };
+    let mesh = lookup.resolve(file, obj);
+    MeshPart {
+        mesh,
+        materials: lookup.materials,
+        bindings: Vec::new(),
+    }
+}
+
+/// Looks up materials, and collects those that were found.
+struct Lookup<'a, 'c> {
+    context: &'a mut Context<'c>,
+    materials: Vec<Material>,
+}
+
+impl Lookup<'_, '_> {
+    /// The mesh, its parts with indices into `materials`.
+    fn resolve(&mut self, file: &Gathered, obj: Obj) -> MeshDraft {
         let Obj {
             mut mesh,
             libraries,
@@ -61,7 +73,7 @@ impl MaterialLookup<'_, '_, '_> {
             indices.insert(named, index);
         }
         if let [first, others @ ..] = unknown.as_slice() {
-            self.warnings.push(|| {
+            self.context.warnings.push(|| {
                 let (place, name) = (&first.place, quoted(&first.name));
                 let others = match others.len() {
                     0 => String::new(),
@@ -86,11 +98,11 @@ impl MaterialLookup<'_, '_, '_> {
         let mut libraries = Vec::new();
         for mention in mentions.iter().take(MOST) {
             let names = || mention.name.split_ascii_whitespace();
-            match self.files.look_up(obj, unquoted(&mention.name)) {
+            match self.context.files.look_up(obj, unquoted(&mention.name)) {
                 // Several names, or one with spaces in it: nothing but the files tells.
                 Err(Denied::NotFound) if names().nth(1).is_some() => {
                     for name in names().take(MOST) {
-                        let found = self.files.look_up(obj, unquoted(name));
+                        let found = self.context.files.look_up(obj, unquoted(name));
                         self.read(found, name, &mention.place, &mut libraries);
                     }
                 }
@@ -98,7 +110,7 @@ impl MaterialLookup<'_, '_, '_> {
             }
         }
         if let Some(past) = mentions.get(MOST) {
-            self.warnings.push(|| {
+            self.context.warnings.push(|| {
                 let place = &past.place;
                 format!("{place}: of material libraries the first {MOST} are read, and no more")
             });
@@ -115,15 +127,15 @@ impl MaterialLookup<'_, '_, '_> {
     ) {
         let reason = match found {
             Ok(file) if libraries.iter().any(|it| Arc::ptr_eq(&it.file, &file)) => return,
-            Ok(file) if file.kind != Kind::Other => "it is no material library".to_owned(),
-            Ok(file) => match file.text(self.warnings) {
+            Ok(file) if file.is_rig_file() => "it is no material library".to_owned(),
+            Ok(file) => match file.text(&mut self.context.warnings) {
                 Ok(text) => {
                     let mtl::Library {
                         materials,
                         passed_over,
-                    } = mtl::read(&file.name, &text, self.warnings);
+                    } = mtl::read(&file.name, &text, &mut self.context.warnings);
                     for name in &passed_over {
-                        self.files.pass_over(unquoted(name));
+                        self.context.files.pass_over(unquoted(name));
                     }
                     libraries.push(Library {
                         file: file.clone(),
@@ -135,7 +147,7 @@ impl MaterialLookup<'_, '_, '_> {
             },
             Err(denied) => denied.reason(),
         };
-        self.warnings.push(|| {
+        self.context.warnings.push(|| {
             let name = quoted(name);
             format!("{place}: the material library {name} is left out: {reason}")
         });
@@ -174,8 +186,13 @@ impl MaterialLookup<'_, '_, '_> {
     fn texture(&mut self, library: &Gathered, map: Option<&Map>) -> Option<TexturePlace> {
         let map = map?;
         let mention = (unquoted(&map.file.name), map.file.place.as_str());
-        let textures = &mut self.textures;
-        let texture = textures.look_up(self.files, library, mention, self.warnings)?;
+        let Context {
+            files,
+            textures,
+            warnings,
+            ..
+        } = &mut *self.context;
+        let texture = textures.look_up(files, library, mention, warnings)?;
         Some(TexturePlace {
             texture,
             wrap: [map.wrap; 2],
@@ -189,7 +206,8 @@ impl MaterialLookup<'_, '_, '_> {
             material.is_some_and(|material| material.textures().next().is_some())
         };
         if mesh.texcoords.is_none() && mesh.parts.iter().any(is_textured) {
-            self.warnings
+            self.context
+                .warnings
                 .push(|| format!("`{file}` has no texture coordinates for its textures"));
         }
     }

@@ -16,24 +16,24 @@
 //! ```
 //! Statements end with their line, and so do names. A corner names what stands above it.
 
-mod odd;
 #[cfg(test)]
 mod tests;
 
-use super::draw_vertices::{DrawVertices, Look, Normal};
-use super::mention::{Mention, Mentions};
-use super::polygon::{self, Cutter, Misfit};
+use super::corner::{Above, Corner};
+use super::draw_vertices::{CornerAttributes, DrawVertices, Normal};
+use super::oddities::Oddities;
+use super::polygon::{self, NotTriangulated, Triangulator};
 use super::statements::{Statements, is_not_a_number};
 use crate::formats::error::{FileFault, LoadError, quoted};
-use crate::formats::lexer::Token;
+use crate::formats::text::lexer::Token;
+use crate::formats::text::mention::{Mention, Mentions};
 use crate::limits::Limits;
 use crate::rig::{MeshDraft, PartDraft, Warnings, linear_from_srgb};
 use glam::{Vec2, Vec3, Vec4};
-use odd::Odd;
 
 /// An OBJ as its file has it.
 #[derive(Debug)]
-pub(in crate::formats) struct Obj {
+pub(super) struct Obj {
     /// Every index of it is in range; it has no name and no weights. Materials of its parts are indices into `materials`.
     pub mesh: MeshDraft,
     /// Files of materials, in the order of the file.
@@ -44,7 +44,7 @@ pub(in crate::formats) struct Obj {
 
 /// # Errors
 /// [`LoadError::Invalid`] at the word or line end that does not fit, [`LoadError::Limit`] at the first vertex or triangle too many.
-pub(in crate::formats) fn read(
+pub(super) fn read(
     file: &str,
     text: &str,
     limits: &Limits,
@@ -64,9 +64,9 @@ pub(in crate::formats) fn read(
         smoothing: Smoothing::Unsaid,
         libraries: Mentions::default(),
         materials: Mentions::default(),
-        cutter: Cutter::new(),
+        triangulator: Triangulator::new(),
         face: Face::default(),
-        odd: Odd::default(),
+        oddities: Oddities::default(),
     };
     reader.read_statements()?;
     reader.finish(warnings)
@@ -89,9 +89,9 @@ struct Reader<'a> {
     smoothing: Smoothing,
     libraries: Mentions,
     materials: Mentions,
-    cutter: Cutter,
+    triangulator: Triangulator,
     face: Face,
-    odd: Odd<'a>,
+    oddities: Oddities<'a>,
 }
 
 /// How faces are lit whose corners have no normals.
@@ -109,14 +109,6 @@ struct Face {
     corners: Vec<Corner>,
     positions: Vec<Vec3>,
     draw_vertices: Vec<u32>,
-}
-
-/// Indices of what is in range.
-#[derive(Debug, Clone, Copy)]
-struct Corner {
-    vertex: u32,
-    texcoord: Option<usize>,
-    normal: Option<usize>,
 }
 
 impl<'a> Reader<'a> {
@@ -143,7 +135,7 @@ impl<'a> Reader<'a> {
                 }
                 text => {
                     if !is_read_over(text) {
-                        self.odd.unknown.get_or_insert(keyword);
+                        self.oddities.unknown.get_or_insert(keyword);
                     }
                     self.statements.skip_rest();
                 }
@@ -155,12 +147,12 @@ impl<'a> Reader<'a> {
         let lexer = &self.statements.lexer;
         let end = lexer.peek();
         if self.positions.is_empty() {
-            // A file of another kind is told at its first word, not only at its end.
+            // A file of another kind is at fault from its first unknown word on, not only at its end.
             return Err(lexer
-                .fault(self.odd.unknown.unwrap_or(end), "`v x y z`")
+                .fault(self.oddities.unknown.unwrap_or(end), "`v x y z`")
                 .into());
         }
-        self.odd.warn(lexer, warnings);
+        self.oddities.warn(lexer, warnings);
         if let Some(glued) = self.statements.glued {
             warnings.push(|| {
                 let (place, word) = (lexer.place(glued), quoted(glued.text));
@@ -235,7 +227,7 @@ impl<'a> Reader<'a> {
     fn channel_at(&mut self, word: Token<'a>, keyword: Token<'a>) -> Result<f32, FileFault> {
         let channel = self.loose_number_at(word, keyword)?.unwrap_or(1.0);
         if !(0.0..=1.0).contains(&channel) {
-            self.odd.color_out_of_range.get_or_insert(word);
+            self.oddities.color_out_of_range.get_or_insert(word);
         }
         Ok(linear_from_srgb(channel.clamp(0.0, 1.0).into()))
     }
@@ -274,7 +266,7 @@ impl<'a> Reader<'a> {
         keyword: Token<'a>,
     ) -> Result<Option<f32>, FileFault> {
         if is_not_a_number(word) {
-            self.odd.not_a_number.get_or_insert(word);
+            self.oddities.not_a_number.get_or_insert(word);
             return Ok(None);
         }
         self.number_at(word, keyword).map(Some)
@@ -297,7 +289,7 @@ impl<'a> Reader<'a> {
     fn read_name(&mut self, keyword: Token<'a>) -> Option<Token<'a>> {
         let name = self.statements.rest();
         if name.is_none() {
-            self.odd.nameless.get_or_insert(keyword);
+            self.oddities.nameless.get_or_insert(keyword);
         }
         name
     }
@@ -309,8 +301,8 @@ impl<'a> Reader<'a> {
             ("on", _) => Smoothing::Group(1),
             (_, Ok(group)) => Smoothing::Group(group),
             (_, Err(_)) => {
-                let odd = if word.ends_line() { keyword } else { word };
-                self.odd.group.get_or_insert(odd);
+                let what = if word.ends_line() { keyword } else { word };
+                self.oddities.group.get_or_insert(what);
                 Smoothing::Off
             }
         };
@@ -322,18 +314,25 @@ impl<'a> Reader<'a> {
     fn read_face(&mut self, keyword: Token<'a>) -> Result<(), LoadError> {
         let mut face = std::mem::take(&mut self.face);
         face.corners.clear();
+        let above = Above {
+            vertices: self.positions.len(),
+            texcoords: self.texcoords.len(),
+            normals: self.normals.len(),
+        };
         loop {
             let word = self.statements.next_value();
             if word.ends_line() {
                 break;
             }
-            face.corners.push(self.read_corner(word)?);
+            let (lexer, oddities) = (&self.statements.lexer, &mut self.oddities);
+            face.corners
+                .push(Corner::read(word, above, lexer, oddities)?);
             // A triangle for each corner after the second.
             let triangles = self.triangles.len() + face.corners.len().saturating_sub(2);
             self.limits.triangles(triangles)?;
         }
         if face.corners.len() < 3 {
-            self.odd.too_few_corners.get_or_insert(keyword);
+            self.oddities.too_few_corners.get_or_insert(keyword);
         } else {
             self.add_face(&mut face, keyword)?;
         }
@@ -364,7 +363,7 @@ impl<'a> Reader<'a> {
         draw_vertices.clear();
         for corner in &*corners {
             let given = corner.normal.map(|index| self.normals[index]);
-            let look = Look {
+            let attributes = CornerAttributes {
                 texcoord: corner.texcoord.map(|index| self.texcoords[index]),
                 // One of no length says nothing.
                 normal: match given.filter(|normal| *normal != Vec3::ZERO) {
@@ -374,13 +373,13 @@ impl<'a> Reader<'a> {
             };
             let of_file = self.positions.len();
             let drawn = &mut self.draw_vertices;
-            draw_vertices.push(drawn.of_corner(corner.vertex, look, of_file, self.limits)?);
+            draw_vertices.push(drawn.of_corner(corner.vertex, attributes, of_file, self.limits)?);
         }
         let before = self.triangles.len();
         if let [a, b, c] = draw_vertices[..] {
             self.triangles.push([a, b, c]);
         } else {
-            self.cut(positions, draw_vertices, keyword);
+            self.add_polygon(positions, draw_vertices, keyword);
         }
         let has_normals = corners.iter().any(|corner| corner.normal.is_some());
         let part = PartDraft {
@@ -397,70 +396,22 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn cut(&mut self, positions: &[Vec3], draw_vertices: &[u32], keyword: Token<'a>) {
+    fn add_polygon(&mut self, positions: &[Vec3], draw_vertices: &[u32], keyword: Token<'a>) {
         let numbered = |triangle: [usize; 3]| triangle.map(|corner| draw_vertices[corner]);
-        let misfit = match self.cutter.cut(positions) {
+        let reason = match self.triangulator.triangulate(positions) {
             Ok(triangles) => {
                 self.triangles.extend(triangles.into_iter().map(numbered));
                 return;
             }
-            Err(misfit) => misfit,
+            Err(reason) => reason,
         };
-        let odd = match misfit {
-            Misfit::CrossesItself => &mut self.odd.crosses_itself,
-            Misfit::TooMuchWork => &mut self.odd.too_much_work,
+        let slot = match reason {
+            NotTriangulated::CrossesItself => &mut self.oddities.crosses_itself,
+            NotTriangulated::TooMuchWork => &mut self.oddities.too_much_work,
         };
-        odd.get_or_insert(keyword);
+        slot.get_or_insert(keyword);
         let fan = polygon::fan(positions.len());
         self.triangles.extend(fan.map(numbered));
-    }
-
-    fn read_corner(&mut self, word: Token<'a>) -> Result<Corner, FileFault> {
-        let mut offset = word.offset;
-        let mut parts = word.text.split('/').map(|text| {
-            let part = Token { text, offset };
-            offset += text.len() + 1;
-            part
-        });
-        let [vertex, texcoord, normal] = std::array::from_fn(|_| parts.next());
-        if parts.next().is_some() {
-            let expected = "a corner of at most 3 parts, `v/vt/vn`";
-            return Err(self.statements.lexer.fault(word, expected));
-        }
-        let present = |part: Option<Token<'a>>| part.filter(|part| !part.text.is_empty());
-        let vertex = present(vertex).unwrap_or(word);
-        let vertex = self.index_at(vertex, self.positions.len(), "vertices")?;
-        let mut texcoord = present(texcoord);
-        if self.texcoords.is_empty() && texcoord.take().is_some() {
-            self.odd.no_texcoords.get_or_insert(word);
-        }
-        let mut normal = present(normal);
-        if self.normals.is_empty() && normal.take().is_some() {
-            self.odd.no_normals.get_or_insert(word);
-        }
-        let texcoord_at = |part| self.index_at(part, self.texcoords.len(), "texture coordinates");
-        let normal_at = |part| self.index_at(part, self.normals.len(), "normals");
-        Ok(Corner {
-            // `limits.vertices` counts them all.
-            vertex: vertex as u32,
-            texcoord: texcoord.map(texcoord_at).transpose()?,
-            normal: normal.map(normal_at).transpose()?,
-        })
-    }
-
-    /// The index from 0 that `part` stands for, where `count` things are above it.
-    fn index_at(&self, part: Token<'a>, count: usize, many: &str) -> Result<usize, FileFault> {
-        let index = part.text.parse().ok().and_then(|told: isize| {
-            if told < 0 {
-                count.checked_add_signed(told)
-            } else {
-                told.unsigned_abs().checked_sub(1)
-            }
-        });
-        index.filter(|&index| index < count).ok_or_else(|| {
-            let expected = format!("one of the {count} {many} above, counted from 1");
-            self.statements.lexer.fault(part, expected)
-        })
     }
 }
 

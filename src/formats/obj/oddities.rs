@@ -1,12 +1,12 @@
 //! What an OBJ has that could be worked with, but should not be there: a warning for each kind. Never lives here: finding it.
 
 use crate::formats::error::quoted;
-use crate::formats::lexer::{Lexer, Token};
+use crate::formats::text::lexer::{Lexer, Token};
 use crate::rig::Warnings;
 
 /// Where something is for the first time that could be worked with, but should not be there.
 #[derive(Debug, Default)]
-pub(super) struct Odd<'a> {
+pub(super) struct Oddities<'a> {
     /// A statement that is not read and not to be expected either.
     pub unknown: Option<Token<'a>>,
     pub not_a_number: Option<Token<'a>>,
@@ -20,9 +20,9 @@ pub(super) struct Odd<'a> {
     pub nameless: Option<Token<'a>>,
 }
 
-impl Odd<'_> {
+impl Oddities<'_> {
     pub fn warn(&self, lexer: &Lexer, warnings: &mut Warnings) {
-        let mut told = [
+        let mut found = [
             (
                 self.unknown,
                 "is not read here; skipped, and its like as well",
@@ -64,8 +64,8 @@ impl Odd<'_> {
                 "names nothing; it is passed over, and its like as well",
             ),
         ];
-        told.sort_by_key(|(token, _)| token.map(|token| token.offset));
-        for (token, what) in told {
+        found.sort_by_key(|(token, _)| token.map(|token| token.offset));
+        for (token, what) in found {
             if let Some(token) = token {
                 warnings.push(|| format!("{}: {} {what}", lexer.place(token), quoted(token.text)));
             }

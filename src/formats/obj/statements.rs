@@ -1,7 +1,7 @@
 //! Words of an OBJ file and its material libraries, line by line, without comments and with continued lines joined.
 //! Never lives here: what any statement means.
 
-use crate::formats::lexer::{Lexer, Token};
+use crate::formats::text::lexer::{Lexer, Token};
 
 /// Walks over the words of statements. `#` at the start of a word comments out the rest of its line; `\` at the end of a line
 /// joins the next one to it.

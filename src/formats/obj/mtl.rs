@@ -2,25 +2,25 @@
 //! Never lives here: opening textures, and which materials are used.
 //!
 //! ```text
-//! mtl    := (newmtl | look | other)*
-//! newmtl := "newmtl" NAME
-//! look   := ("Kd" | "Ks" | "Ke") r [g b]                 what is scattered, mirrored, given off: sRGB, as other programs show it
-//!         | "Ns" exponent | "d" opacity | "Tr" 1 - opacity
-//!         | ("map_Kd" | "map_Ke") option* FILE
-//! option := "-s" u [v [w]] | "-o" u [v [w]] | "-clamp" ("on" | "off") | other        scale, offset, no repeating
+//! mtl      := (newmtl | property | other)*
+//! newmtl   := "newmtl" NAME
+//! property := ("Kd" | "Ks" | "Ke") r [g b]               diffuse, specular, emissive: sRGB, as other programs show it
+//!           | "Ns" exponent | "d" opacity | "Tr" 1 - opacity
+//!           | ("map_Kd" | "map_Ke") option* FILE
+//! option   := "-s" u [v [w]] | "-o" u [v [w]] | "-clamp" ("on" | "off") | other        scale, offset, no repeating
 //! ```
 
-use super::mention::Mention;
 use super::statements::Statements;
 use crate::formats::error::quoted;
-use crate::formats::lexer::{Token, parse_number};
+use crate::formats::text::lexer::{Token, parse_number};
+use crate::formats::text::mention::Mention;
 use crate::rig::{TextureTransform, Warnings, Wrap, linear_from_srgb};
 use glam::{Vec2, Vec3};
 use std::collections::HashSet;
 
 /// A material as its file has it. Colors are linear.
 #[derive(Debug, Default)]
-pub(in crate::formats) struct Mtl {
+pub(super) struct Mtl {
     pub name: String,
     pub diffuse: Option<Vec3>,
     pub specular: Option<Vec3>,
@@ -34,7 +34,7 @@ pub(in crate::formats) struct Mtl {
 
 /// A picture and how it lies.
 #[derive(Debug)]
-pub(in crate::formats) struct Map {
+pub(super) struct Map {
     pub file: Mention,
     pub wrap: Wrap,
     pub picture_from_texcoord: TextureTransform,
@@ -42,21 +42,21 @@ pub(in crate::formats) struct Map {
 
 /// What a library has.
 #[derive(Debug)]
-pub(in crate::formats) struct Library {
+pub(super) struct Library {
     /// Each name comes once.
     pub materials: Vec<Mtl>,
     /// Files of textures that are not shown.
     pub passed_over: Vec<String>,
 }
 
-pub(in crate::formats) fn read(file: &str, text: &str, warnings: &mut Warnings) -> Library {
+pub(super) fn read(file: &str, text: &str, warnings: &mut Warnings) -> Library {
     let mut reader = Reader {
         statements: Statements::new(file, text),
         materials: Vec::new(),
         passed_over: Vec::new(),
         names: HashSet::new(),
         is_second: false,
-        odd: [None; 4],
+        oddities: [None; 4],
     };
     reader.read_statements();
     reader.warn(warnings);
@@ -73,17 +73,17 @@ struct Reader<'a> {
     names: HashSet<String>,
     /// Whether the material that is being read has the name of an earlier one.
     is_second: bool,
-    /// The first place of each [`Odd`].
-    odd: [Option<Token<'a>>; 4],
+    /// The first place of each [`Oddity`].
+    oddities: [Option<Token<'a>>; 4],
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Odd {
+enum Oddity {
     /// Something of the looks that is not shown.
     NotShown,
     Value,
     Second,
-    Homeless,
+    BeforeNewmtl,
 }
 
 impl<'a> Reader<'a> {
@@ -100,10 +100,10 @@ impl<'a> Reader<'a> {
                     ..keyword
                 })),
                 text if is_read_over(text) => self.pass_over_texture(text, rest),
-                text => match self.read_look(text, rest) {
-                    Ok(look) => self.add(look, keyword),
-                    Err(odd) => {
-                        self.note(odd, keyword);
+                text => match self.read_property(text, rest) {
+                    Ok(property) => self.add(property, keyword),
+                    Err(oddity) => {
+                        self.note(oddity, keyword);
                         self.pass_over_texture(text, rest);
                     }
                 },
@@ -114,7 +114,7 @@ impl<'a> Reader<'a> {
     fn begin_material(&mut self, name: Token<'a>) {
         self.is_second = !self.names.insert(name.text.to_owned());
         if self.is_second {
-            self.note(Odd::Second, name);
+            self.note(Oddity::Second, name);
         } else {
             self.materials.push(Mtl {
                 name: name.text.to_owned(),
@@ -134,50 +134,54 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn read_look(&mut self, keyword: &str, rest: Option<Token<'a>>) -> Result<Look, Odd> {
+    fn read_property(
+        &mut self,
+        keyword: &str,
+        rest: Option<Token<'a>>,
+    ) -> Result<Property, Oddity> {
         let rest = rest.unwrap_or(Token {
             text: "",
             offset: 0,
         });
-        let look = match keyword {
-            "Kd" => color(rest.text).map(Look::Diffuse),
-            "Ks" => color(rest.text).map(Look::Specular),
-            "Ke" => color(rest.text).map(Look::Emissive),
-            "Ns" => first_number(rest.text).map(Look::Shininess),
-            "d" => first_number(rest.text).map(Look::Opacity),
-            "Tr" => first_number(rest.text).map(Look::Transparency),
-            "map_Kd" => self.read_map(rest).map(Look::DiffuseMap),
-            "map_Ke" => self.read_map(rest).map(Look::EmissiveMap),
-            _ => return Err(Odd::NotShown),
+        let property = match keyword {
+            "Kd" => color(rest.text).map(Property::Diffuse),
+            "Ks" => color(rest.text).map(Property::Specular),
+            "Ke" => color(rest.text).map(Property::Emissive),
+            "Ns" => first_number(rest.text).map(Property::Shininess),
+            "d" => first_number(rest.text).map(Property::Opacity),
+            "Tr" => first_number(rest.text).map(Property::Transparency),
+            "map_Kd" => self.read_map(rest).map(Property::DiffuseMap),
+            "map_Ke" => self.read_map(rest).map(Property::EmissiveMap),
+            _ => return Err(Oddity::NotShown),
         };
-        look.ok_or(Odd::Value)
+        property.ok_or(Oddity::Value)
     }
 
-    fn add(&mut self, look: Look, keyword: Token<'a>) {
+    fn add(&mut self, property: Property, keyword: Token<'a>) {
         if self.is_second {
             return;
         }
         let Some(material) = self.materials.last_mut() else {
-            self.note(Odd::Homeless, keyword);
+            self.note(Oddity::BeforeNewmtl, keyword);
             return;
         };
-        match look {
-            Look::Diffuse(color) => material.diffuse = Some(color),
-            Look::Specular(color) => material.specular = Some(color),
-            Look::Emissive(color) => material.emissive = color,
-            Look::Shininess(exponent) => {
+        match property {
+            Property::Diffuse(color) => material.diffuse = Some(color),
+            Property::Specular(color) => material.specular = Some(color),
+            Property::Emissive(color) => material.emissive = color,
+            Property::Shininess(exponent) => {
                 /// As that of a frame request.
                 const MOST: f32 = 10_000.0;
                 material.shininess = Some(exponent.clamp(0.0, MOST));
             }
-            Look::Opacity(opacity) => material.opacity = Some(opacity.clamp(0.0, 1.0)),
+            Property::Opacity(opacity) => material.opacity = Some(opacity.clamp(0.0, 1.0)),
             // Programs disagree about which of the two ends is opaque; of `d` there is no doubt.
-            Look::Transparency(transparency) => {
+            Property::Transparency(transparency) => {
                 let opacity = 1.0 - transparency.clamp(0.0, 1.0);
                 material.opacity.get_or_insert(opacity);
             }
-            Look::DiffuseMap(map) => material.diffuse_map = Some(map),
-            Look::EmissiveMap(map) => material.emissive_map = Some(map),
+            Property::DiffuseMap(map) => material.diffuse_map = Some(map),
+            Property::EmissiveMap(map) => material.emissive_map = Some(map),
         }
     }
 
@@ -209,7 +213,7 @@ impl<'a> Reader<'a> {
                         ("-clamp", "on") => wrap = Wrap::Clamp,
                         ("-clamp" | "-blendu" | "-blendv" | "-texres", _) => {}
                         _ => self.note(
-                            Odd::NotShown,
+                            Oddity::NotShown,
                             Token {
                                 text: word,
                                 ..token
@@ -223,29 +227,29 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn note(&mut self, odd: Odd, token: Token<'a>) {
-        self.odd[odd as usize].get_or_insert(token);
+    fn note(&mut self, oddity: Oddity, token: Token<'a>) {
+        self.oddities[oddity as usize].get_or_insert(token);
     }
 
     fn warn(&self, warnings: &mut Warnings) {
-        let mut told = [
-            (Odd::NotShown, "is not shown, nor is its like"),
+        let mut found = [
+            (Oddity::NotShown, "is not shown, nor is its like"),
             (
-                Odd::Value,
+                Oddity::Value,
                 "has no value that can be read; it is left out, and its like as well",
             ),
             (
-                Odd::Second,
+                Oddity::Second,
                 "is a second material of that name; it is left out, and its like as well",
             ),
             (
-                Odd::Homeless,
+                Oddity::BeforeNewmtl,
                 "stands before any `newmtl`; it is left out, and its like as well",
             ),
         ]
-        .map(|(odd, what)| (self.odd[odd as usize], what));
-        told.sort_by_key(|(token, _)| token.map(|token| token.offset));
-        for (token, what) in told {
+        .map(|(oddity, what)| (self.oddities[oddity as usize], what));
+        found.sort_by_key(|(token, _)| token.map(|token| token.offset));
+        for (token, what) in found {
             if let Some(token) = token {
                 let lexer = &self.statements.lexer;
                 warnings.push(|| format!("{}: {} {what}", lexer.place(token), quoted(token.text)));
@@ -254,7 +258,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-enum Look {
+enum Property {
     Diffuse(Vec3),
     Specular(Vec3),
     Emissive(Vec3),
@@ -323,8 +327,8 @@ fn transform(scale: Vec2, offset: Vec2) -> TextureTransform {
     }
 }
 
-/// What is given otherwise here, or says nothing of what can be shown: ambient light is the request's, refraction and models of light are
-/// not told apart.
+/// What is given otherwise here, or says nothing that can be shown: ambient light is the request's, and there
+/// is neither refraction nor a choice of lighting models.
 fn is_read_over(keyword: &str) -> bool {
     matches!(
         keyword,

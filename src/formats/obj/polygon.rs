@@ -7,21 +7,21 @@ use glam::{DVec2, DVec3, Vec3};
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 use std::collections::HashMap;
 
-/// Cuts the faces of one file.
+/// Triangulates the faces of one file.
 #[derive(Debug)]
-pub(super) struct Cutter {
+pub(super) struct Triangulator {
     /// How much more work faces may be that no fan fits.
     work_left: u64,
 }
 
 /// Why a face is cut into a fan that does not fit it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Misfit {
+pub(super) enum NotTriangulated {
     CrossesItself,
     TooMuchWork,
 }
 
-impl Cutter {
+impl Triangulator {
     /// In squares of numbers of corners, for that is how long one face can take. A single face may have 16,384 corners; it all comes to a
     /// few seconds.
     const WORK: u64 = 1 << 28;
@@ -36,11 +36,11 @@ impl Cutter {
     ///
     /// # Errors
     /// Where only [`fan`] is left.
-    pub fn cut(&mut self, corners: &[Vec3]) -> Result<Vec<[usize; 3]>, Misfit> {
+    pub fn triangulate(&mut self, corners: &[Vec3]) -> Result<Vec<[usize; 3]>, NotTriangulated> {
         let outline = match outline(corners) {
             Some(outline) if !fan_fits(&outline) => outline,
             // Its parts cancel out.
-            None if !is_in_line(corners) => return Err(Misfit::CrossesItself),
+            None if !is_in_line(corners) => return Err(NotTriangulated::CrossesItself),
             // No cut of a face without an area shows.
             _ => return Ok(fan(corners.len()).collect()),
         };
@@ -48,8 +48,8 @@ impl Cutter {
         self.work_left = self
             .work_left
             .checked_sub(work)
-            .ok_or(Misfit::TooMuchWork)?;
-        triangulated(&outline).ok_or(Misfit::CrossesItself)
+            .ok_or(NotTriangulated::TooMuchWork)?;
+        triangulated(&outline).ok_or(NotTriangulated::CrossesItself)
     }
 }
 
@@ -140,7 +140,7 @@ fn triangulated(outline: &[DVec2]) -> Option<Vec<[usize; 3]>> {
         .sum();
     /// Of the area, for rounding.
     const TOLERANCE: f64 = 1e-6;
-    // What touches itself in other ways than a face with a hole does has no inside to be told.
+    // An outline that touches itself in other ways than one with a seam to a hole has no defined inside.
     ((area - whole).abs() <= TOLERANCE * whole).then_some(triangles)
 }
 
@@ -190,7 +190,9 @@ mod tests {
 
     /// The triangles, and the sum of their areas; each runs counter-clockwise.
     fn cut(corners: &[Vec3]) -> (Vec<[usize; 3]>, f64) {
-        let triangles = Cutter::new().cut(corners).expect("it can be cut");
+        let triangles = Triangulator::new()
+            .triangulate(corners)
+            .expect("it can be cut");
         let areas = triangles.iter().map(|triangle| {
             let area = area_vector(&triangle.map(|corner| corners[corner]));
             assert!(area.dot(area_vector(corners)) >= 0.0, "{triangle:?}");
@@ -281,17 +283,29 @@ mod tests {
     #[test]
     fn a_face_that_crosses_itself_is_told() {
         let bow = corners(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 1.0]]);
-        assert_eq!(Cutter::new().cut(&bow), Err(Misfit::CrossesItself));
+        assert_eq!(
+            Triangulator::new().triangulate(&bow),
+            Err(NotTriangulated::CrossesItself)
+        );
         let even_bow = corners(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]]);
-        assert_eq!(Cutter::new().cut(&even_bow), Err(Misfit::CrossesItself));
+        assert_eq!(
+            Triangulator::new().triangulate(&even_bow),
+            Err(NotTriangulated::CrossesItself)
+        );
         let in_line = corners(&[[0.0, 0.0], [1.0, 1.0], [3.0, 3.0], [2.0, 2.0]]);
-        assert_eq!(Cutter::new().cut(&in_line), Ok(fan(4).collect()));
+        assert_eq!(
+            Triangulator::new().triangulate(&in_line),
+            Ok(fan(4).collect())
+        );
         let star = (0..5).map(|corner| {
             let angle = f64::from(corner) * 0.8 * std::f64::consts::PI;
             [libm::cos(angle) as f32, libm::sin(angle) as f32]
         });
         let star = corners(&star.collect::<Vec<_>>());
-        assert_eq!(Cutter::new().cut(&star), Err(Misfit::CrossesItself));
+        assert_eq!(
+            Triangulator::new().triangulate(&star),
+            Err(NotTriangulated::CrossesItself)
+        );
     }
 
     #[test]
@@ -303,12 +317,15 @@ mod tests {
             outline.reverse();
             corners(&outline)
         };
-        assert_eq!(Cutter::new().cut(&comb(10_000)), Err(Misfit::TooMuchWork));
-        let mut cutter = Cutter {
+        assert_eq!(
+            Triangulator::new().triangulate(&comb(10_000)),
+            Err(NotTriangulated::TooMuchWork)
+        );
+        let mut triangulator = Triangulator {
             work_left: 1_000_000,
         };
         let few = comb(100);
-        let cuts = (0..200).map(|_| cutter.cut(&few));
+        let cuts = (0..200).map(|_| triangulator.triangulate(&few));
         // The square of 202 corners goes 24 times into the work.
         assert_eq!(cuts.filter(Result::is_ok).count(), 24);
     }

@@ -4,22 +4,22 @@
 //! A word that starts with `//` or `#` hides the rest of its line, and so does `;` as the first word of a line: elsewhere it may end a
 //! statement. `/*` hides everything up to `*/`. A comment may touch the number before it. In double quotes there is none.
 
-use super::error::FileFault;
 use super::lexer::{ends_word, parse_number, quotation_end};
-use super::text::line_column;
+use super::line_column;
+use crate::formats::error::FileFault;
 use crate::rig::Warnings;
 use std::borrow::Cow;
 
 /// Where a comment ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum End {
+pub(in crate::formats) enum End {
     At(usize),
     /// There is no `*/` up to the end of the file.
     Missing,
 }
 
 /// Of the comment that starts at `at`, where a word would start; `None` where none does.
-pub(super) fn end(text: &[u8], at: usize) -> Option<End> {
+pub(in crate::formats) fn end(text: &[u8], at: usize) -> Option<End> {
     let rest = &text[at..];
     if rest.starts_with(b"/*") {
         let inside = &rest[2..];
@@ -46,7 +46,7 @@ fn is_first_in_line(text: &[u8], at: usize) -> bool {
 ///
 /// # Errors
 /// [`FileFault`] at a `/*` that nothing ends.
-pub(super) fn blanked<'a>(
+pub(in crate::formats) fn blanked<'a>(
     file: &str,
     text: Cow<'a, str>,
     warnings: &mut Warnings,
@@ -109,7 +109,7 @@ fn next_comment(text: &str, mut at: usize) -> Option<(usize, End)> {
 }
 
 /// Where a word that starts as a number goes on as a comment. A name may be a number as well, and `2#2` is how repeated names are
-/// told apart: digits alone behind a `#` are no comment.
+/// told apart: digits alone after a `#` are no comment.
 fn mark_behind_number(word: &str) -> Option<usize> {
     let mark = word.find(['/', '#'])?;
     let (number, rest) = word.split_at(mark);

@@ -1,6 +1,6 @@
 //! What a file names elsewhere, and where it does so first. Never lives here: finding it.
 
-use crate::formats::lexer::{Lexer, Token};
+use super::lexer::{Lexer, Token};
 use std::collections::HashMap;
 
 /// A name, and where it stands for the first time.
@@ -13,7 +13,7 @@ pub(in crate::formats) struct Mention {
 
 /// Each name once, by first mention.
 #[derive(Debug, Default)]
-pub(super) struct Mentions {
+pub(in crate::formats) struct Mentions {
     all: Vec<Mention>,
     numbers: HashMap<String, usize>,
 }

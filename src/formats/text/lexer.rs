@@ -1,31 +1,31 @@
-//! Words of a text with their line and column: what separates them, what a number is, how a fault at one is told.
+//! Words of a text with their line and column: what separates them, what a number is, how a fault at one is reported.
 //! Never lives here: any word's meaning.
 
-use super::error::{FileFault, quoted};
-use super::text::Place;
+use super::Position;
+use crate::formats::error::{FileFault, quoted};
 use crate::rig::LARGEST_COORDINATE;
 use std::cell::Cell;
 use std::ops::Range;
 
 /// A word, a brace, the end of a line where lines are asked for, or the empty text at the end of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Token<'a> {
+pub(in crate::formats) struct Token<'a> {
     pub text: &'a str,
-    /// In bytes. Line and column are counted only where one is told.
+    /// In bytes. Line and column are counted only for a message.
     pub offset: usize,
 }
 
 impl Token<'_> {
-    pub(super) fn is_end(self) -> bool {
+    pub(in crate::formats) fn is_end(self) -> bool {
         self.text.is_empty()
     }
 
     /// Whether the line, or the file with it, ends here: only [`Lexer::next_in_line`] tells of lines.
-    pub(super) fn ends_line(self) -> bool {
+    pub(in crate::formats) fn ends_line(self) -> bool {
         self.is_end() || self.text.starts_with(LINE_ENDS)
     }
 
-    pub(super) fn described(self) -> String {
+    pub(in crate::formats) fn described(self) -> String {
         if self.is_end() {
             "the end of the file".to_owned()
         } else if self.ends_line() {
@@ -41,35 +41,35 @@ const LINE_ENDS: [char; 2] = ['\n', '\r'];
 /// Walks over a text. Every byte up to the space separates words, so that no kind of line end is special; braces are words of
 /// their own also where they are glued to one.
 #[derive(Debug, Clone)]
-pub(super) struct Lexer<'a> {
+pub(in crate::formats) struct Lexer<'a> {
     file: &'a str,
     text: &'a str,
     at: usize,
-    /// The last place told: warnings come in the order of the text, so counting goes on from there.
-    told: Cell<Place>,
+    /// Up to where lines were counted last: warnings come in the order of the text, so counting goes on from there.
+    counted: Cell<Position>,
 }
 
 impl<'a> Lexer<'a> {
     /// `file` is what faults call the text.
-    pub(super) fn new(file: &'a str, text: &'a str) -> Self {
+    pub(in crate::formats) fn new(file: &'a str, text: &'a str) -> Self {
         Self {
             file,
             text,
             at: 0,
-            told: Cell::new(Place::START),
+            counted: Cell::new(Position::START),
         }
     }
 
-    pub(super) fn offset(&self) -> usize {
+    pub(in crate::formats) fn offset(&self) -> usize {
         self.at
     }
 
-    pub(super) fn remaining_bytes(&self) -> usize {
+    pub(in crate::formats) fn remaining_bytes(&self) -> usize {
         self.text.len() - self.at
     }
 
     /// The same text from `offset` on, where a word starts or a separator stands.
-    pub(super) fn from(&self, offset: usize) -> Self {
+    pub(in crate::formats) fn from(&self, offset: usize) -> Self {
         Self {
             at: offset,
             ..self.clone()
@@ -77,7 +77,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// What stands between two words of the text, with their own bytes.
-    pub(super) fn slice(&self, range: Range<usize>) -> &'a str {
+    pub(in crate::formats) fn slice(&self, range: Range<usize>) -> &'a str {
         &self.text[range]
     }
 
@@ -85,7 +85,7 @@ impl<'a> Lexer<'a> {
         clippy::should_implement_trait,
         reason = "the end is a token with a place, not a None"
     )]
-    pub(super) fn next(&mut self) -> Token<'a> {
+    pub(in crate::formats) fn next(&mut self) -> Token<'a> {
         let bytes = self.text.as_bytes();
         let mut start = self.at;
         while start < bytes.len() && bytes[start] <= b' ' {
@@ -107,7 +107,7 @@ impl<'a> Lexer<'a> {
 
     /// [`Lexer::next`] where lines count: the end of the line is a token of its own, whichever kind it is of, and what comes after
     /// it belongs to the next line.
-    pub(super) fn next_in_line(&mut self) -> Token<'a> {
+    pub(in crate::formats) fn next_in_line(&mut self) -> Token<'a> {
         let rest = &self.text.as_bytes()[self.at..];
         let is_blank = |byte: &&u8| **byte <= b' ' && !matches!(byte, b'\r' | b'\n');
         let start = self.at + rest.iter().take_while(is_blank).count();
@@ -124,13 +124,13 @@ impl<'a> Lexer<'a> {
     }
 
     /// [`Lexer::next`] where a name is wanted: one in double quotes may hold anything but a line end. The quotes are no part of it.
-    pub(super) fn next_name(&mut self) -> Token<'a> {
+    pub(in crate::formats) fn next_name(&mut self) -> Token<'a> {
         let word = self.next();
         self.unquoted(word)
     }
 
     /// The whole of a name whose first word has been taken.
-    pub(super) fn unquoted(&mut self, word: Token<'a>) -> Token<'a> {
+    pub(in crate::formats) fn unquoted(&mut self, word: Token<'a>) -> Token<'a> {
         match quotation_end(self.text.as_bytes(), word.offset) {
             // A token without text would be the end of the file.
             Some(end) if end > word.offset + 2 => {
@@ -144,12 +144,12 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    pub(super) fn peek(&self) -> Token<'a> {
+    pub(in crate::formats) fn peek(&self) -> Token<'a> {
         self.clone().next()
     }
 
     /// Takes the next word where it is `wanted`.
-    pub(super) fn take(&mut self, wanted: &str) -> bool {
+    pub(in crate::formats) fn take(&mut self, wanted: &str) -> bool {
         let mut ahead = self.clone();
         let found = ahead.next().text == wanted;
         if found {
@@ -159,13 +159,16 @@ impl<'a> Lexer<'a> {
     }
 
     /// A number no larger than a rig takes: `.5`, `+1` and exponents are fine. `place` says where one is wanted: `after …`.
-    pub(super) fn number(&mut self, place: impl Fn() -> String) -> Result<f64, FileFault> {
+    pub(in crate::formats) fn number(
+        &mut self,
+        place: impl Fn() -> String,
+    ) -> Result<f64, FileFault> {
         let token = self.next();
         self.number_at(token, place)
     }
 
     /// What [`Lexer::number`] makes of a word that has been taken.
-    pub(super) fn number_at(
+    pub(in crate::formats) fn number_at(
         &self,
         token: Token,
         place: impl Fn() -> String,
@@ -183,7 +186,7 @@ impl<'a> Lexer<'a> {
         Ok(number)
     }
 
-    pub(super) fn numbers<const N: usize>(
+    pub(in crate::formats) fn numbers<const N: usize>(
         &mut self,
         place: impl Fn() -> String,
     ) -> Result<[f64; N], FileFault> {
@@ -195,7 +198,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// A whole number from 0. One beyond 64 bits is `u64::MAX`: over every ceiling and every count as well.
-    pub(super) fn whole(
+    pub(in crate::formats) fn whole(
         &mut self,
         place: impl Fn() -> String,
     ) -> Result<(u64, Token<'a>), FileFault> {
@@ -206,7 +209,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    pub(super) fn expect(
+    pub(in crate::formats) fn expect(
         &mut self,
         wanted: &str,
         place: impl Fn() -> String,
@@ -218,11 +221,11 @@ impl<'a> Lexer<'a> {
         Err(self.fault(token, format!("`{wanted}` {}", place())))
     }
 
-    pub(super) fn fault(&self, token: Token, expected: impl Into<String>) -> FileFault {
+    pub(in crate::formats) fn fault(&self, token: Token, expected: impl Into<String>) -> FileFault {
         self.fault_found(token, expected, token.described())
     }
 
-    pub(super) fn fault_found(
+    pub(in crate::formats) fn fault_found(
         &self,
         token: Token,
         expected: impl Into<String>,
@@ -237,33 +240,32 @@ impl<'a> Lexer<'a> {
     }
 
     /// `file:line:column` of a token.
-    pub(super) fn place(&self, token: Token) -> String {
+    pub(in crate::formats) fn place(&self, token: Token) -> String {
         let (line, column) = self.line_column(token);
         format!("{}:{line}:{column}", self.file)
     }
 
-    pub(super) fn line_column(&self, token: Token) -> (usize, usize) {
-        let from = Some(self.told.get()).filter(|told| told.offset() <= token.offset);
-        let place = from
-            .unwrap_or(Place::START)
-            .advanced(self.text, token.offset);
-        self.told.set(place);
-        place.line_column(self.text)
+    pub(in crate::formats) fn line_column(&self, token: Token) -> (usize, usize) {
+        let from = Some(self.counted.get()).filter(|counted| counted.offset() <= token.offset);
+        let from = from.unwrap_or(Position::START);
+        let position = from.advanced(self.text, token.offset);
+        self.counted.set(position);
+        position.line_column(self.text)
     }
 }
 
-pub(super) fn ends_word(byte: u8) -> bool {
+pub(in crate::formats) fn ends_word(byte: u8) -> bool {
     byte <= b' ' || byte == b'{' || byte == b'}'
 }
 
 /// Behind the closing one of two double quotes, the first of which stands at `at`: it has to follow in the same line.
-pub(super) fn quotation_end(text: &[u8], at: usize) -> Option<usize> {
+pub(in crate::formats) fn quotation_end(text: &[u8], at: usize) -> Option<usize> {
     let inside = text[at..].strip_prefix(b"\"")?;
     let length = inside.iter().position(|byte| b"\"\r\n".contains(byte))?;
     (inside[length] == b'"').then_some(at + length + 2)
 }
 
-pub(super) fn parse_number(word: &str) -> Option<f64> {
+pub(in crate::formats) fn parse_number(word: &str) -> Option<f64> {
     let unsigned = word.strip_prefix(['-', '+']).unwrap_or(word);
     // The standard parser also reads `inf`, `infinity` and `nan`.
     if !unsigned.starts_with(|c: char| c.is_ascii_digit() || c == '.') {
