@@ -4,9 +4,8 @@
 mod support;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
+use rigd::render::Plan;
 use rigd::render::cpu::Cores;
-use rigd::render::gpu::Gpu;
-use rigd::render::{AdapterChoice, AdapterError, Plan};
 use rigd::rig::{
     Draft, Encoding, Highlight, Material, NormalMap, Opacity, TexturePlace, TextureTransform, Wrap,
 };
@@ -15,7 +14,6 @@ use rigd::scene::{
     ShowNormals, ShowSkeleton, ShowSkin, Surface,
 };
 use support::alike::{self, SHARE_OF_ALL};
-use support::note;
 use support::pictures::{Image, encoded, linear};
 use support::quads::{Quad, by_gpu, draft, lit, own, painted, plan, quad, scaled, scene, texture};
 
@@ -919,13 +917,8 @@ fn one_core_and_all_draw_the_same_bytes() {
 
 #[test]
 fn both_renderers_agree() {
-    let Ok(llvmpipe) = "llvmpipe".parse::<AdapterChoice>();
-    let mut gpu = match Gpu::open(&llvmpipe, false) {
-        Ok(gpu) => gpu,
-        Err(AdapterError::NoMatch { .. } | AdapterError::None) => {
-            return note("SKIPPED: there is no software Vulkan driver");
-        }
-        Err(error) => panic!("{error}"),
+    let Some(mut gpu) = support::adapters::gpu_on(&support::adapters::wgpu_adapter()) else {
+        return;
     };
     let (mut off, mut all) = (0, 0);
     for (name, has_one_sample, plan) in still_lives() {

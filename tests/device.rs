@@ -2,12 +2,12 @@
 
 mod support;
 
-use rigd::engine::{Engine, EngineError, LoadedRig, RendererChoice, Terms, Urgency};
+use rigd::engine::{Engine, EngineError, LoadedRig, Terms, Urgency};
 use rigd::formats::Source;
 use rigd::limits::Limits;
 use rigd::pose::{Pose, PoseEdit, Posed, Skinning};
 use rigd::render::gpu::Gpu;
-use rigd::render::{AdapterChoice, AdapterError, Outputs, Plan};
+use rigd::render::{Outputs, Plan};
 use rigd::scene::{
     Background, Camera, Cull, Light, Orbit, Samples, Scene, Shape, Show, ShowNormals, ShowSkeleton,
     ShowSkin, Size, Surface, VertexQuery,
@@ -131,32 +131,15 @@ fn mixed_plans(rig: &LoadedRig) -> Vec<Plan> {
 
 /// An engine on this adapter, and the figure; `None` where there is no such adapter.
 fn figure_on(adapter: &str) -> Option<(Engine, Arc<LoadedRig>)> {
-    let Ok(adapter) = adapter.parse();
-    let choice = RendererChoice {
-        adapter,
-        ..RendererChoice::default()
-    };
-    let engine = match Engine::open(choice, Limits::default()) {
-        Ok(engine) => engine,
-        Err(EngineError::Adapter(AdapterError::NoMatch { .. } | AdapterError::None)) => {
-            support::note("SKIPPED: there is no such adapter");
-            return None;
-        }
-        Err(error) => panic!("{error}"),
-    };
+    let engine = support::adapters::engine_on(adapter, Limits::default())?;
     let rig = engine.load(None, &rigd::cli::figure(), &Source::inline_only(), false);
     Some((engine, rig.expect("the built-in figure loads")))
 }
 
 #[test]
 fn plans_that_share_a_submission_give_what_each_gives_alone() {
-    let Ok(vulkan) = "vulkan".parse::<AdapterChoice>();
-    let mut gpu = match Gpu::open(&vulkan, false) {
-        Ok(gpu) => gpu,
-        Err(AdapterError::NoMatch { .. } | AdapterError::None) => {
-            return support::note("SKIPPED: there is no such adapter");
-        }
-        Err(error) => panic!("{error}"),
+    let Some(mut gpu) = support::adapters::gpu_on("vulkan") else {
+        return;
     };
     let (_, rig) = figure_on("cpu").expect("it needs no adapter");
     let plans = mixed_plans(&rig);

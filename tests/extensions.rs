@@ -17,7 +17,7 @@ static SERVICE: LazyLock<Arc<Service>> = LazyLock::new(support::service);
 static TWINS: LazyLock<Option<[Arc<Service>; 2]>> = LazyLock::new(|| {
     let twins = [
         support::service_on("cpu")?,
-        support::service_on("llvmpipe")?,
+        support::service_on(&support::adapters::wgpu_adapter())?,
     ];
     for service in &twins {
         load(service, "dressed", &dressed());

@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use rigd::limits::Limits;
 use rigd::pose::{Pose, Posed, Skinning};
 use rigd::render::gpu::Gpu;
-use rigd::render::{AdapterChoice, AdapterError, Instance, Outputs, Plan};
+use rigd::render::{Instance, Outputs, Plan};
 use rigd::rig::{
     BindPose, BindingDraft, Draft, Encoding, JointDraft, Material, MeshDraft, MorphDraft,
     NormalMap, Opacity, PartDraft, Rig, Texture, TextureLevel, TexturePlace, TextureTransform,
@@ -19,20 +19,10 @@ use rigd::scene::{
 };
 use std::path::PathBuf;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
-use support::note;
 use support::pictures::{Image, encoded};
 
-static GPU: LazyLock<Option<Mutex<Gpu>>> = LazyLock::new(|| {
-    let choice = AdapterChoice::Named("llvmpipe".to_owned());
-    match Gpu::open(&choice, false) {
-        Ok(gpu) => Some(Mutex::new(gpu)),
-        Err(AdapterError::NoMatch { .. } | AdapterError::None) => {
-            note("SKIPPED: there is no software adapter");
-            None
-        }
-        Err(error) => panic!("{error}"),
-    }
-});
+static GPU: LazyLock<Option<Mutex<Gpu>>> =
+    LazyLock::new(|| support::adapters::gpu_on(&support::adapters::wgpu_adapter()).map(Mutex::new));
 
 const SIDE: u32 = 64;
 
@@ -940,9 +930,8 @@ fn a_texture_that_two_materials_wear_takes_memory_once() {
         }
     };
     // A device of its own, as others draw on the shared one meanwhile.
-    let choice = AdapterChoice::Named("llvmpipe".to_owned());
-    let Ok(mut gpu) = Gpu::open(&choice, false) else {
-        return note("SKIPPED: there is no software adapter");
+    let Some(mut gpu) = support::adapters::gpu_on(&support::adapters::wgpu_adapter()) else {
+        return;
     };
     let mut grown_by = |draft: Draft| {
         let before = gpu.memory_bytes();

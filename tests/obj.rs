@@ -340,7 +340,7 @@ fn cases_load_with_one_warning_for_each_oddity() {
 
 #[test]
 fn both_renderers_draw_an_obj_alike() {
-    let Some(wgpu) = support::service_on("llvmpipe") else {
+    let Some(wgpu) = support::service_on(&support::adapters::wgpu_adapter()) else {
         return;
     };
     let (mut off, mut all) = (0, 0);

@@ -192,7 +192,7 @@ struct Daemon {
 
 impl Daemon {
     fn start() -> Self {
-        let adapter = support::adapter();
+        let adapter = support::adapters::adapter();
         let mut child = Command::new(env!("CARGO_BIN_EXE_rigd"))
             .args(["serve", "--listen", "127.0.0.1:0", "--adapter", &adapter])
             .stdout(Stdio::piped())

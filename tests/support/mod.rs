@@ -3,6 +3,7 @@
 // Every test file is a crate of its own and uses a part of this.
 #![allow(dead_code, reason = "each test uses a part")]
 
+pub mod adapters;
 pub mod alike;
 pub mod everything;
 pub mod gltf;
@@ -14,11 +15,12 @@ pub mod rules;
 pub mod server;
 pub mod suite;
 
-use rigd::engine::{Engine, EngineError, RendererChoice};
+use adapters::{adapter, engine_on};
+
+use rigd::engine::Engine;
 use rigd::formats::Source;
 use rigd::limits::Limits;
 use rigd::protocol::{ErrorObject, Reply};
-use rigd::render::AdapterError;
 use rigd::service::Service;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -26,36 +28,11 @@ use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 
-/// What tests draw with: rigd's own renderer, so that every machine sees the same pictures, or `RIGD_TEST_ADAPTER`.
-pub fn adapter() -> String {
-    std::env::var("RIGD_TEST_ADAPTER").unwrap_or_else(|_| "cpu".to_owned())
-}
-
-fn renderer(adapter: &str) -> RendererChoice {
-    let Ok(adapter) = adapter.parse();
-    RendererChoice {
-        adapter,
-        ..RendererChoice::default()
-    }
-}
-
 /// A service that draws with this adapter, the built-in figure loaded as `figure`; `None`, and a line in the log, where there is no such
 /// adapter.
 pub fn service_on(adapter: &str) -> Option<Arc<Service>> {
-    match Engine::open(renderer(adapter), Limits::default()) {
-        Ok(engine) => {
-            note(&format!("drawing with {}", engine.adapter()));
-            Some(with_figure(engine, Source::inline_only()))
-        }
-        Err(EngineError::Adapter(AdapterError::NoMatch { .. } | AdapterError::None)) => {
-            note(&format!(
-                "SKIPPED: there is no adapter `{adapter}`; `make setup` installs what is missing"
-            ));
-            None
-        }
-        // An adapter that is there and does not open is a fault.
-        Err(error) => panic!("{error}"),
-    }
+    let engine = engine_on(adapter, Limits::default())?;
+    Some(with_figure(engine, Source::inline_only()))
 }
 
 /// How long this thread has been on a processor, where the system tells: what else the machine has to do does not count.
@@ -74,10 +51,7 @@ pub fn note(line: &str) {
 
 /// A renderer of its own, named in the test's log.
 pub fn engine(limits: Limits) -> Engine {
-    let engine = Engine::open(renderer(&adapter()), limits)
-        .expect("a graphics adapter; `make setup` installs a software one");
-    note(&format!("drawing with {}", engine.adapter()));
-    engine
+    engine_on(&adapter(), limits).expect("the adapter that tests draw with")
 }
 
 fn with_figure(engine: Engine, source: Source) -> Arc<Service> {
