@@ -13,7 +13,7 @@ use rigd::scene::{
     Background, Bounds, Camera, Color, Cull, Light, LookAt, Near, Samples, Scene, Show,
     ShowNormals, ShowSkeleton, ShowSkin, Surface,
 };
-use support::alike::{self, SHARE_OF_ALL};
+use support::alike::{self, share_of_all};
 use support::pictures::{Image, encoded, linear};
 use support::quads::{Quad, by_gpu, draft, lit, own, painted, plan, quad, scaled, scene, texture};
 
@@ -928,5 +928,5 @@ fn both_renderers_agree() {
         println!("{name}: {of_picture} of {channels} channels differ by more than 1");
         (off, all) = (off + of_picture, all + channels);
     }
-    assert!(off as f64 <= SHARE_OF_ALL * all as f64, "{off} of {all}");
+    assert!(off as f64 <= share_of_all() * all as f64, "{off} of {all}");
 }

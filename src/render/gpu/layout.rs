@@ -61,16 +61,16 @@ mod tests {
 
     #[test]
     fn rust_and_shaders_agree_on_every_offset() {
-        assert_mirrors!(shaders::SHADE, "View", View {
+        assert_mirrors!(shaders::BY_MASK.skin, "View", View {
             clip_from_world = "clip_from_world", eye_in_world = "eye_in_world", size_pixels = "size_pixels",
             light_count = "light_count", flat_normals = "flat_normals", ambient = "ambient", shininess = "shininess",
             diffuse = "diffuse", opacity = "opacity", specular = "specular",
             least_distance_squared = "least_distance_squared", textured_diffuse = "textured_diffuse", lights = "lights",
         });
-        assert_mirrors!(shaders::SHADE, "Light", ShaderLight {
+        assert_mirrors!(shaders::BY_MASK.skin, "Light", ShaderLight {
             toward_or_position = "toward_or_position", radiance = "radiance", cone = "cone",
         });
-        assert_mirrors!(shaders::COAT, "Coat", Coat {
+        assert_mirrors!(shaders::BY_MASK.coat, "Coat", Coat {
             color = "color", specular = "specular", shininess = "shininess", emissive = "emissive", least_alpha = "least_alpha",
             color_place = "color_place", emissive_place = "emissive_place", normal_place = "normal_place",
             normal_scale = "normal_scale", is_translucent = "is_translucent", is_lit = "is_lit", is_flat = "is_flat",
