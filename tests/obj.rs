@@ -8,7 +8,7 @@ use rigd::service::Service;
 use serde_json::{Value, json};
 use std::io::Cursor;
 use std::sync::{Arc, LazyLock};
-use support::alike::{self, SHARE_OF_ALL};
+use support::alike::{self, share_of_all};
 use support::pictures::{draw, over};
 use support::{ask_ok, with_base64};
 
@@ -347,7 +347,7 @@ fn both_renderers_draw_an_obj_alike() {
         let (of_picture, channels) = alike::compare(&format!("obj_{name}"), &images, false);
         (off, all) = (off + of_picture, all + channels);
     }
-    assert!(off as f64 <= SHARE_OF_ALL * all as f64, "{off} of {all}");
+    assert!(off as f64 <= share_of_all() * all as f64, "{off} of {all}");
 }
 
 #[test]
