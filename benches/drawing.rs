@@ -9,7 +9,7 @@ mod capsule;
 
 use capsule::{Capsule, USUAL};
 use rigd::encode::{Compression, png};
-use rigd::engine::{Engine, FrameQuery, LoadedRig, RendererChoice, Terms, Urgency};
+use rigd::engine::{Cancellation, Engine, FrameQuery, JobContext, LoadedRig, RendererChoice};
 use rigd::formats::{File, FileRef, Source, load};
 use rigd::limits::Limits;
 use rigd::pose::{Pose, PoseEdit, Posed, Skinning};
@@ -92,8 +92,8 @@ impl Side {
         let start = |index: usize| {
             let posed = self.posed(index);
             let ticket = self.engine.admission().admit().expect("room");
-            let terms = Terms {
-                urgency: Urgency::default(),
+            let context = JobContext {
+                cancellation: Cancellation::default(),
                 ticket,
             };
             let sender = sender.clone();
@@ -114,7 +114,7 @@ impl Side {
                         Skinning::Linear,
                         Shape::Posed,
                         queries,
-                        terms,
+                        context,
                         move |found| {
                             sender
                                 .send(found.expect("vertices").0.len())
@@ -124,7 +124,7 @@ impl Side {
                 }
                 Ask::Png(scene) => {
                     self.engine
-                        .render(self.color(posed, scene), terms, move |found| {
+                        .render(self.color(posed, scene), context, move |found| {
                             let image = &found.expect("a frame").0.images[0];
                             let file = png(image, Compression::Fast).expect("a PNG");
                             sender.send(file.len()).expect("the loop waits");
@@ -132,7 +132,7 @@ impl Side {
                 }
                 Ask::Pixels(scene) => {
                     self.engine
-                        .render(self.color(posed, scene), terms, move |found| {
+                        .render(self.color(posed, scene), context, move |found| {
                             let image = &found.expect("a frame").0.images[0];
                             sender.send(image.bytes.len()).expect("the loop waits");
                         });

@@ -2,7 +2,7 @@
 //!
 //! The built-in figure, and, where they lie beside the checkout, characters of the two courses and of glTF.
 
-use rigd::engine::{Engine, RendererChoice, Terms, Urgency};
+use rigd::engine::{Cancellation, Engine, JobContext, RendererChoice};
 use rigd::formats::{File, FileRef, Source, load};
 use rigd::limits::Limits;
 use rigd::pose::{Pose, Posed, Skinning};
@@ -112,8 +112,8 @@ fn to_device(engine: &Engine, character: &Character) -> Duration {
             positions: true,
             normals: false,
         };
-        let terms = Terms {
-            urgency: Urgency::default(),
+        let context = JobContext {
+            cancellation: Cancellation::default(),
             ticket: engine.admission().admit().expect("room"),
         };
         let (sender, receiver) = sync_channel(1);
@@ -124,7 +124,7 @@ fn to_device(engine: &Engine, character: &Character) -> Duration {
             Skinning::Linear,
             Shape::Posed,
             vec![query],
-            terms,
+            context,
             done,
         );
         assert!(receiver.recv().expect("an answer"));

@@ -37,7 +37,7 @@ pub struct Received {
 
 /// What goes ahead of a reply: an item of a streamed batch.
 #[derive(Debug)]
-pub struct Ahead {
+pub struct Notification {
     /// `frame.ready` or `mesh.ready`.
     pub method: String,
     /// A [`FrameReady`](crate::protocol::batch::FrameReady) or a [`MeshReady`](crate::protocol::batch::MeshReady).
@@ -49,7 +49,7 @@ pub struct Ahead {
 /// One message of the server's.
 #[derive(Debug)]
 pub enum Message {
-    Ahead(Ahead),
+    Notification(Notification),
     Reply(Received),
 }
 
@@ -288,7 +288,7 @@ impl Client {
                 outcome: reply.outcome,
                 attached,
             }),
-            Incoming::Notification(notification) => Message::Ahead(Ahead {
+            Incoming::Notification(notification) => Message::Notification(Notification {
                 method: notification.method,
                 params: notification.params,
                 attached,
@@ -300,8 +300,8 @@ impl Client {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::protocol::blob::{ArrayTransport, Blob, Numbers};
-    use crate::protocol::{Attachments, Fault, MissingRig, Request, error_line, result_line};
+    use crate::protocol::blob::{ArrayTransport, Blob, Dtype};
+    use crate::protocol::{Attachments, Fault, MissingRig, Request};
     use serde_json::json;
     use std::net::TcpListener;
     use std::thread::{self, JoinHandle};
@@ -336,9 +336,15 @@ mod tests {
         request.id.as_ref().unwrap_or(&Id::Null)
     }
 
+    fn result_line(id: &Id, result: &impl Serialize, attach_bytes: u64) -> Vec<u8> {
+        let reply =
+            json!({"jsonrpc": "2.0", "id": id, "result": result, "attach_bytes": attach_bytes});
+        format!("{reply}\n").into_bytes()
+    }
+
     fn echo(request: Request, _: Vec<u8>) -> Vec<u8> {
         let result = json!({ "method": request.method, "params": request.params });
-        result_line(id(&request), &result, &Attachments::default()).unwrap()
+        result_line(id(&request), &result, 0)
     }
 
     fn reply_with(bytes: &'static [u8]) -> impl Fn(Request, Vec<u8>) -> Vec<u8> {
@@ -371,14 +377,15 @@ mod tests {
     fn raw_bytes_go_both_ways() {
         let (mut client, _server) = client_of(|request, attached| {
             let mut attachments = Attachments::default();
-            let floats = attached.iter().map(|byte| f32::from(*byte)).collect();
+            let floats = attached.iter().map(|byte| f32::from(*byte).to_le_bytes());
             let blob = Blob::array(
-                Numbers::Float32(floats),
+                Dtype::Float32,
+                floats.collect::<Vec<_>>().into_flattened().into(),
                 &[attached.len()],
                 ArrayTransport::Attach,
                 &mut attachments,
             );
-            let mut reply = result_line(id(&request), &blob, &attachments).unwrap();
+            let mut reply = result_line(id(&request), &blob, attachments.total_bytes());
             reply.extend(attachments.to_bytes());
             reply
         });
@@ -398,7 +405,8 @@ mod tests {
                 ..MissingRig::default()
             };
             let fault = Fault::RigNotLoaded(Box::new(missing));
-            error_line(id(&request), &fault.into())
+            let error = json!({"id": id(&request), "error": ErrorObject::from(fault)});
+            format!("{error}\n").into_bytes()
         });
         for _ in 0..2 {
             let error = client.call_raw("pose.get", json!({})).unwrap_err();
@@ -453,7 +461,7 @@ mod tests {
     fn a_cancellation_names_the_request_and_waits_for_nothing() {
         let (mut client, _server) = client_of(|request, _| {
             let said = json!([request.id.is_none(), request.method, request.params]);
-            result_line(&Id::from(7), &said, &Attachments::default()).unwrap()
+            result_line(&Id::from(7), &said, 0)
         });
         client.cancel(Id::from(7)).unwrap();
         let result = client.receive().unwrap().outcome.unwrap();

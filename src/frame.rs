@@ -141,6 +141,13 @@ impl<T: PartialEq> PartialEq for Pooled<T> {
     }
 }
 
+/// The memory itself, in the byte order of the machine.
+impl<T: bytemuck::NoUninit> AsRef<[u8]> for Pooled<T> {
+    fn as_ref(&self) -> &[u8] {
+        bytemuck::cast_slice(&self.items)
+    }
+}
+
 impl<T> Deref for Pooled<T> {
     type Target = [T];
 

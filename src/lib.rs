@@ -6,10 +6,10 @@
 //!
 //! | room | may name | what lives there |
 //! |---|---|---|
-//! | [`cli`] | [`server`] [`service`] [`engine`] [`client`] [`protocol`] [`formats`] [`encode`] [`frame`] [`scene`] [`limits`] | `serve`, `render`, `inspect`, `call`, `doctor`, `openrpc` |
-//! | [`server`] | [`service`] [`limits`] | listener, connections, bounded lines, shutdown; knows no method |
+//! | [`cli`] | [`server`] [`service`] [`engine`] [`client`] [`protocol`] [`formats`] [`encode`] [`frame`] [`scene`] [`rig`] [`spelling`] [`limits`] | `serve`, `render`, `inspect`, `call`, `doctor`, `openrpc` |
+//! | [`server`] | [`service`] [`protocol`] [`limits`] | fronts, each with its own framing: bounded lines over TCP; an orderly shutdown; knows no method |
 //! | [`client`] | [`protocol`] | a typed blocking client |
-//! | [`service`] | [`protocol`] [`engine`] [`rig`] [`formats`] [`scene`] [`pose`] [`pick`] [`frame`] [`encode`] [`limits`] | a line in, a line out; one file for each family of methods |
+//! | [`service`] | [`protocol`] [`engine`] [`rig`] [`formats`] [`scene`] [`pose`] [`pick`] [`frame`] [`encode`] [`spelling`] [`limits`] | a request in, a response out; one file for each family of methods; knows no framing and no socket |
 //! | [`engine`] | [`rig`] [`formats`] [`pose`] [`pick`] [`scene`] [`frame`] [`render`] [`limits`] | the use-cases in plain types; the store of rigs; whoever draws: the thread that owns the device, or the pool |
 //! | [`render`] | [`rig`] [`pose`] [`scene`] [`frame`] [`limits`] | a plan and two renderers of it, [`render::gpu`] and [`render::cpu`], which never name each other |
 //! | [`encode`] | [`frame`] [`scene`] | from frames to PNG, animated PNG and GIF |
@@ -27,16 +27,17 @@
 //! | crate | rooms |
 //! |---|---|
 //! | `wgpu` `pollster` | [`render::gpu`] |
-//! | `bytemuck` | [`render::gpu`] [`render`] [`rig`] [`pose`] [`protocol`] |
+//! | `bytemuck` | [`render::gpu`] [`render`] [`rig`] [`pose`] [`frame`] [`service`] |
+//! | `bytes` | [`protocol`] [`service`] [`server`] [`cli`] |
 //! | `png` `gif` `color_quant` | [`encode`] |
 //! | `rayon` | [`engine`] [`render::cpu`] |
 //! | `fearless_simd` | [`render::cpu`] |
 //! | `image` | [`encode`] [`formats`] |
-//! | `cap_std` `sha2` `gltf_json` `spade` | [`formats`] |
+//! | `cap_std` `sha2` `gltf_json` `serde_path_to_error` `spade` | [`formats`] |
 //! | `schemars` | [`protocol`] |
 //! | `strsim` | [`spelling`] |
-//! | `base64_simd` `serde_path_to_error` | [`protocol`] [`formats`] |
-//! | `serde` `serde_json` | [`protocol`] [`service`] [`client`] [`cli`] [`formats`] |
+//! | `base64_simd` | [`protocol`] [`formats`] |
+//! | `serde` `serde_json` | [`protocol`] [`service`] [`server`] [`client`] [`cli`] [`formats`] |
 //! | `memory_stats` | [`service`] |
 //! | `clap` `anyhow` `indicatif` `signal_hook` | [`cli`] |
 //! | `std::net` | [`server`] [`client`] |

@@ -5,7 +5,7 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("{asked} exceeds the limit `{limit}` of {maximum}")]
 pub struct LimitExceeded {
-    /// The field of [`Limits`] that was met, as it is spelled on the wire.
+    /// The field of [`Limits`] that was met.
     pub limit: &'static str,
     pub maximum: u64,
     pub asked: u64,

@@ -1,4 +1,5 @@
-//! Does drawing ask for memory once it is warm? rigd's own renderer keeps its scratch memory from picture to picture.
+//! Does drawing ask for memory once it is warm? rigd's own renderer keeps its scratch memory from picture to picture. And does parsing ask
+//! for more than what it gives?
 
 mod support;
 
@@ -6,6 +7,9 @@ use allocation_counter::{AllocationInfo, measure};
 use rigd::formats::{self, Source};
 use rigd::limits::Limits;
 use rigd::pose::{Pose, PoseEdit, Posed, Skinning};
+use rigd::protocol;
+use rigd::protocol::frame::FrameParams;
+use rigd::protocol::pose::PoseSetParams;
 use rigd::render::Plan;
 use rigd::render::cpu::{Cores, Cpu, Spread};
 use rigd::rig::{Material, Opacity, Rig};
@@ -132,6 +136,36 @@ fn what_blends_over_all_of_a_picture_asks_for_little() {
     let cold = allocations(&Cpu::default(), &plan);
     // Some four million pixels are laid over each other; each kept, they would be 32 MiB.
     assert!(cold.bytes_max < 4 << 20, "{cold:?}");
+}
+
+fn allocations_of_parsing<T: serde::de::DeserializeOwned>(text: &str) -> u64 {
+    let raw = serde_json::value::RawValue::from_string(text.to_owned()).expect("JSON");
+    let parse = || assert!(protocol::params::<T>(Some(&raw)).is_ok());
+    measure(parse).count_total
+}
+
+#[test]
+fn parsing_asks_for_no_memory_but_what_it_gives() {
+    let text = r#"{
+        "rig": "a", "camera": {"kind": "orbit", "azimuth": 1, "fov_y": 0.5}, "ambient": [0, 0, 0], "size": [64, 64], "samples": 1,
+        "show": {"skin": "bind", "skin_opacity": 0.5}, "material": {"shininess": 3}, "background": [0, 0, 0, 1], "image": "rgba8"
+    }"#;
+    // The name of the rig, and the list of outputs once there are several to choose from.
+    let whole = allocations_of_parsing::<FrameParams>(text);
+    assert!((1..=2).contains(&whole), "{whole}");
+    let pose = |count: usize| {
+        let dofs: Vec<String> = (0..count)
+            .map(|dof| format!(r#""joint_{dof:03}.rx": {dof}"#))
+            .collect();
+        let text = format!(
+            r#"{{"rig": "a", "pose": {{"dofs": {{{}}}}}}}"#,
+            dofs.join(",")
+        );
+        allocations_of_parsing::<PoseSetParams>(&text)
+    };
+    let (few, many) = (pose(100), pose(200));
+    // Each name once, and the nodes of two trees: of the values, and of the names seen so far.
+    assert!((100..150).contains(&(many - few)), "{few} and {many}");
 }
 
 fn blending() -> Material {

@@ -579,3 +579,46 @@ fn what_is_heavy_beside_others_does_not_let_all_of_them_go_first() {
         "each gave way to the next: {when_the_first_was_there:?}"
     );
 }
+
+#[test]
+fn a_connection_is_heard_while_the_items_of_its_batch_are_being_checked() {
+    let service = support::service();
+    load_bone(&service);
+    let before = drawn(&service);
+    let server = TestServer::start(&service);
+    let mut wire = server.connect();
+    // Held against limits, a pose takes many times as long to check as to read. The last one is wrong, so that none is drawn.
+    let pose = |index: usize| {
+        let clip = json!({"name": "walk", "time": index as f64 * 1e-4});
+        json!({"pose": {"clip": clip, "limits": "reject"}})
+    };
+    let mut frames: Vec<Value> = (0..65_535).map(pose).collect();
+    frames.push(json!({"size": [0, 0]}));
+    wire.request(
+        "many",
+        "frame.batch",
+        json!({"rig": "figure", "frames": frames}),
+    );
+    let turn = json!({"rig": "bone", "pose": {"dofs": {"bone.rx": 0.5}}});
+    let notify = |method: &str, params: Value| {
+        let notification = json!({"jsonrpc": "2.0", "method": method, "params": params});
+        format!("{notification}\n")
+    };
+    wire.send(notify("pose.set", turn));
+    let until = Instant::now() + PATIENCE;
+    while ask_ok(&service, "pose.get", json!({"rig": "bone"}))["dofs"]["bone.rx"] != 0.5 {
+        assert!(Instant::now() < until, "it is not heard");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let requests = ask_ok(&service, "server.stats", json!({}))["requests"].take();
+    assert_eq!(
+        requests["frame.batch"],
+        Value::Null,
+        "it is answered already"
+    );
+    wire.send(notify("request.cancel", json!({"request": "many"})));
+    assert_eq!(wire.error("many")["kind"], "cancelled");
+    wire.assert_alive();
+    assert_idle(&service);
+    assert_eq!(drawn(&service), before);
+}

@@ -46,20 +46,8 @@ fn every_example_is_answered_as_it_says_and_as_the_description_says() {
             let example: Value =
                 serde_json::from_str(line).unwrap_or_else(|error| panic!("{place}: {error}"));
             let request = &example["request"];
-            let reply = service
-                .answer(request.to_string().as_bytes(), Vec::new())
-                .expect("every example has an id");
-            let attached: usize = reply
-                .attachments
-                .iter()
-                .map(|part| part.bytes().len())
-                .sum();
-            let reply: Value = serde_json::from_slice(&reply.line).expect("a reply is JSON");
-            assert_eq!(
-                reply["attach_bytes"].as_u64().unwrap_or(0),
-                attached as u64,
-                "{place}"
-            );
+            let response = support::answer(&service, &request.to_string());
+            let (reply, _) = support::reply(response.expect("every example has an id"));
             schemas
                 .check(request["method"].as_str().unwrap_or_default(), &reply)
                 .unwrap_or_else(|error| panic!("{place}: {error}"));
@@ -124,10 +112,9 @@ fn the_conversations_in_the_documentation_go_as_written() {
     {
         let mut lines = block.lines();
         while let (Some(request), Some(shown)) = (lines.next(), lines.next()) {
-            let reply = service
-                .answer(request.as_bytes(), Vec::new())
-                .unwrap_or_else(|| panic!("not answered: {request}"));
-            let reply: Value = serde_json::from_slice(&reply.line).expect("JSON");
+            let response = support::answer(&service, request);
+            let response = response.unwrap_or_else(|| panic!("not answered: {request}"));
+            let (reply, _) = support::reply(response);
             let shown: Value =
                 serde_json::from_str(shown).unwrap_or_else(|error| panic!("{error}: {shown}"));
             compare_shown("reply", &shown, &reply)

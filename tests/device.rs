@@ -2,7 +2,7 @@
 
 mod support;
 
-use rigd::engine::{Engine, EngineError, LoadedRig, Terms, Urgency};
+use rigd::engine::{Cancellation, Engine, EngineError, JobContext, LoadedRig};
 use rigd::formats::Source;
 use rigd::frame::Outputs;
 use rigd::limits::Limits;
@@ -207,8 +207,8 @@ fn a_plan_that_is_refused_takes_no_other_with_it() {
             normals: false,
         };
         let ticket = engine.admission().admit().expect("room");
-        let terms = Terms {
-            urgency: Urgency::default(),
+        let context = JobContext {
+            cancellation: Cancellation::default(),
             ticket,
         };
         let sender = sender.clone();
@@ -222,7 +222,7 @@ fn a_plan_that_is_refused_takes_no_other_with_it() {
             Skinning::Linear,
             Shape::Posed,
             vec![query],
-            terms,
+            context,
             done,
         );
     };

@@ -1,7 +1,7 @@
 //! Is what the documentation lists what the program has?
 
 use rigd::limits::Limits;
-use rigd::protocol::{Kind, Method, openrpc};
+use rigd::protocol::{ErrorKind, Method, openrpc};
 use rigd::scene::{Color, Surface};
 use serde_json::Value;
 use std::path::Path;
@@ -33,7 +33,10 @@ fn the_protocol_lists_every_method_and_every_kind_of_error() {
         );
     }
     // Nothing asks for a token yet.
-    for kind in Kind::ALL.iter().filter(|kind| **kind != Kind::Unauthorized) {
+    for kind in ErrorKind::ALL
+        .iter()
+        .filter(|kind| **kind != ErrorKind::Unauthorized)
+    {
         let row = text
             .lines()
             .find(|line| line.starts_with('|') && line.contains(&format!("`{}`", kind.name())));

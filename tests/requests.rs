@@ -5,7 +5,7 @@ mod support;
 use base64::Engine as _;
 use rigd::formats::Source;
 use rigd::limits::Limits;
-use rigd::protocol::Reply;
+use rigd::protocol::ErrorObject;
 use rigd::service::Service;
 use serde_json::{Map, Value, json};
 use sha2::Digest as _;
@@ -497,13 +497,8 @@ fn a_pose_is_refused_by_the_field_at_fault() {
     }
     // JSON has no infinity, and what is too large for a number is not taken for one.
     let line = r#"{"jsonrpc":"2.0","id":1,"method":"pose.set","params":{"rig":"refusing","pose":{"dofs":{"tip.rx":1e999}}}}"#;
-    let reply = SERVICE
-        .answer(line.as_bytes(), Vec::new())
-        .expect("a request is answered");
-    let error = Reply::parse(&reply.line)
-        .expect("a reply")
-        .outcome
-        .expect_err("infinite");
+    let response = support::answer(&SERVICE, line).expect("a request is answered");
+    let error = ErrorObject::from(response.outcome.expect_err("infinite"));
     assert_eq!(error.detail("path"), Some(&json!("pose.dofs.tip.rx")));
     // Nothing of all that was stored.
     let stored = ask_ok(&SERVICE, "pose.get", json!({"rig": "refusing"}));
@@ -1314,19 +1309,7 @@ fn a_part_of_the_vertices_is_that_part_of_all_of_them() {
 
 /// A result with whatever was attached to it.
 fn ask_attached(method: &str, params: Value) -> (Value, Vec<u8>) {
-    let request = json!({"jsonrpc": "2.0", "id": 1, "method": method, "params": params});
-    let reply = SERVICE
-        .answer(request.to_string().as_bytes(), Vec::new())
-        .expect("a request is answered");
-    let attached: Vec<u8> = reply
-        .attachments
-        .iter()
-        .flat_map(|part| part.bytes().to_vec())
-        .collect();
-    let reply = Reply::parse(&reply.line).expect("a reply");
-    assert_eq!(reply.attach_bytes, attached.len() as u64);
-    let result = reply.outcome.expect("a result");
-    (serde_json::from_str(result.get()).expect("JSON"), attached)
+    support::ask_attached(&SERVICE, method, &params).expect("a result")
 }
 
 /// The bytes of an array, however it travelled.
@@ -1621,10 +1604,10 @@ fn every_answer_is_counted_once() {
         json!({"rig": "figure", "size": 3}),
     );
     ask_kind(&service, "no.such.method", json!({}));
-    service.answer(b"not JSON", Vec::new());
+    support::answer(&service, "not JSON");
     // A notification that only asks is passed over, which is no failure of anybody's.
-    let notification = br#"{"jsonrpc":"2.0","method":"server.info"}"#;
-    assert!(service.answer(notification, Vec::new()).is_none());
+    let notification = r#"{"jsonrpc":"2.0","method":"server.info"}"#;
+    assert!(support::answer(&service, notification).is_none());
     let stats = ask_ok(&service, "server.stats", json!({}));
     let wanted = json!({
         "frame.render": {"ok": 3, "errors": {"rig_not_loaded": 1, "invalid_params": 1}},

@@ -2,7 +2,7 @@
 
 mod support;
 
-use rigd::server::Patience;
+use rigd::server::Timeouts;
 use rigd::service::Service;
 use serde_json::{Value, json};
 use std::io::{self, BufRead, BufReader, Read};
@@ -41,11 +41,11 @@ fn requests_that_had_arrived_are_answered_with_their_results() {
 
 #[test]
 fn once_the_grace_time_is_over_what_is_left_is_told_so() {
-    let patience = Patience {
+    let timeouts = Timeouts {
         grace: Duration::ZERO,
-        ..Patience::default()
+        ..Timeouts::default()
     };
-    let mut server = TestServer::start_with(&SERVICE, patience);
+    let mut server = TestServer::start_with(&SERVICE, timeouts);
     let mut wire = server.connect();
     for id in 0..MANY {
         wire.request(id, "frame.render", picture(256));
@@ -69,11 +69,11 @@ fn once_the_grace_time_is_over_what_is_left_is_told_so() {
 
 #[test]
 fn a_client_that_goes_on_asking_does_not_keep_the_server() {
-    let patience = Patience {
+    let timeouts = Timeouts {
         grace: Duration::from_millis(200),
-        ..Patience::default()
+        ..Timeouts::default()
     };
-    let mut server = TestServer::start_with(&SERVICE, patience);
+    let mut server = TestServer::start_with(&SERVICE, timeouts);
     let mut wire = server.connect();
     let mut writer = wire.writer();
     wire.assert_alive();
@@ -96,11 +96,11 @@ fn a_client_that_goes_on_asking_does_not_keep_the_server() {
 
 #[test]
 fn a_client_that_does_not_read_does_not_keep_the_server() {
-    let patience = Patience {
+    let timeouts = Timeouts {
         grace: Duration::from_millis(200),
-        ..Patience::default()
+        ..Timeouts::default()
     };
-    let mut server = TestServer::start_with(&SERVICE, patience);
+    let mut server = TestServer::start_with(&SERVICE, timeouts);
     let mut wire = server.connect();
     // Some 22 MB each as text: more than the buffers between the two take.
     let mut large = picture(2048);
@@ -116,11 +116,11 @@ fn a_client_that_does_not_read_does_not_keep_the_server() {
 
 #[test]
 fn idle_connections_are_closed_without_waiting_for_the_grace_time() {
-    let patience = Patience {
+    let timeouts = Timeouts {
         grace: 10 * PATIENCE,
-        ..Patience::default()
+        ..Timeouts::default()
     };
-    let server = TestServer::start_with(&SERVICE, patience);
+    let server = TestServer::start_with(&SERVICE, timeouts);
     let mut idle: Vec<Wire> = (0..8).map(|_| server.connect()).collect();
     for wire in &mut idle {
         wire.assert_alive();

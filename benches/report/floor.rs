@@ -4,7 +4,7 @@
 use crate::scenes::{Shots, Subject};
 use crate::wire::drain;
 use rigd::encode::{Compression, png};
-use rigd::engine::{AdapterKind, Engine, FrameQuery, Terms, Urgency};
+use rigd::engine::{AdapterKind, Cancellation, Engine, FrameQuery, JobContext};
 use rigd::frame::{Outputs, Raster, SkinnedVertices};
 use rigd::pose::{Posed, Skinning};
 use rigd::render::Plan;
@@ -70,7 +70,7 @@ impl<'a> Floor<'a> {
                 let (posed, scene) = (shots.posed(subject, index), shots.scene(subject, index));
                 let (loaded, appearance) = (&subject.loaded, Appearance::default());
                 let query = FrameQuery::color(loaded, posed, Skinning::Linear, appearance, scene);
-                engine.render(query, terms(engine), done);
+                engine.render(query, context(engine), done);
             }),
         }
     }
@@ -96,8 +96,15 @@ impl<'a> Floor<'a> {
                         sender();
                     };
                     let (posed, queries) = (subject.posed(index), subject.queries());
-                    let terms = terms(engine);
-                    engine.vertices(posed, Skinning::Linear, Shape::Posed, queries, terms, done);
+                    let context = context(engine);
+                    engine.vertices(
+                        posed,
+                        Skinning::Linear,
+                        Shape::Posed,
+                        queries,
+                        context,
+                        done,
+                    );
                 })
             }
         }
@@ -172,9 +179,9 @@ fn in_engine(
     })
 }
 
-fn terms(engine: &Engine) -> Terms {
-    Terms {
-        urgency: Urgency::default(),
+fn context(engine: &Engine) -> JobContext {
+    JobContext {
+        cancellation: Cancellation::default(),
         ticket: engine.admission().admit().expect("room for a few"),
     }
 }

@@ -1,7 +1,7 @@
 //! What is asked for: rigs in poses that differ from request to request, and pictures of them, for the bare renderer and as JSON.
 //! Never lives here: asking.
 
-use rigd::engine::{Base, Engine, LoadedRig};
+use rigd::engine::{Base, Engine, EngineError, LoadedRig};
 use rigd::formats::{FileRef, Source};
 use rigd::limits::Limits;
 use rigd::pose::{Pose, PoseEdit, Posed};
@@ -32,7 +32,9 @@ impl Subject {
             ..PoseEdit::default()
         };
         engine
-            .set_pose(name, |_| Ok((Base::Rest, edit)))
+            .set_pose(name, |rig| {
+                rig.changed(Base::Rest, &edit).map_err(EngineError::from)
+            })
             .expect("the pose is kept");
         let start = engine.rig(name).expect("it is loaded").stored;
         Self { loaded, start }

@@ -5,7 +5,7 @@ use crate::wire::{Got, Wire, request};
 use rigd::engine::{Engine, RendererChoice};
 use rigd::formats::Source;
 use rigd::limits::Limits;
-use rigd::server::{Patience, Server, Stopper};
+use rigd::server::{Server, Stopper, Timeouts};
 use rigd::service::Service;
 use std::io;
 use std::net::SocketAddr;
@@ -30,7 +30,7 @@ impl Daemon {
         };
         let engine = Engine::open(choice, Limits::default()).expect("a graphics adapter");
         let service = Service::new(engine, Source::inline_only());
-        let server = Server::bind("127.0.0.1:0", Arc::clone(&service), Patience::default())
+        let server = Server::bind("127.0.0.1:0", Arc::clone(&service), Timeouts::default())
             .expect("a free port");
         Self {
             service,

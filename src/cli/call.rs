@@ -3,7 +3,7 @@
 use super::files::{self, Destination, numbered};
 use super::terminal::{note, print, print_to_reader};
 use super::values::address;
-use crate::client::{Ahead, Client, Message};
+use crate::client::{Client, Message, Notification};
 use crate::protocol::Blob;
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
@@ -54,7 +54,7 @@ pub(super) fn run(args: &CallArgs) -> anyhow::Result<()> {
     };
     let reply = loop {
         match client.next()? {
-            Message::Ahead(item) => {
+            Message::Notification(item) => {
                 let is_read = items.take(item, args.output.as_deref())?;
                 if !is_read && output.is_none() {
                     // Nobody is left who would want the rest, and the closed connection tells the server.
@@ -102,7 +102,7 @@ struct Items {
 
 impl Items {
     /// Prints one on a line of its own; whether anybody still reads.
-    fn take(&mut self, item: Ahead, output: Option<&Path>) -> anyhow::Result<bool> {
+    fn take(&mut self, item: Notification, output: Option<&Path>) -> anyhow::Result<bool> {
         let mut params: Value = serde_json::from_str(item.params.get())?;
         self.saved += match output {
             Some(path) => {

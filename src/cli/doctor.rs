@@ -2,10 +2,13 @@
 
 use super::terminal::{Warnings, print};
 use super::{RendererArgs, local};
-use crate::engine::{AdapterInfo, AdapterKind, adapters};
+use crate::engine::{AdapterInfo, AdapterKind, Timings, adapters};
 use crate::formats::Source;
-use crate::protocol::frame as wire;
+use crate::protocol::frame::FrameParams;
+use crate::protocol::{ErrorObject, Fault};
+use crate::scene::Size;
 use crate::service::Service;
+use std::sync::Arc;
 use std::time::Instant;
 
 pub(super) fn run(args: &RendererArgs) -> anyhow::Result<()> {
@@ -24,17 +27,30 @@ pub(super) fn run(args: &RendererArgs) -> anyhow::Result<()> {
     }
     let loaded = local::load(&engine, &[], &mut Warnings::default())?;
     let service = Service::new(engine, Source::inline_only());
-    let params = wire::FrameParams::of(loaded.name.as_str());
-    let (frame, _) = local::ask::<_, wire::Frame>(&service, "frame.render", &params)?;
+    let (size, _) = draw(&service, &loaded.name)?;
     let first = started.elapsed();
-    let (again, _) = local::ask::<_, wire::Frame>(&service, "frame.render", &params)?;
+    let (_, again) = draw(&service, &loaded.name)?;
     print(&format!(
         "\nDrew {}x{} with {adapter}.\nFirst picture after {:.0} ms, the next one in {:.1} ms.",
-        frame.width,
-        frame.height,
+        size.width,
+        size.height,
         first.as_secs_f64() * 1e3,
-        again.timings_ms.render
+        again.render.as_secs_f64() * 1e3
     ))
+}
+
+/// Draws a rig by the defaults of a frame request.
+fn draw(service: &Arc<Service>, rig: &str) -> Result<(Size, Timings), ErrorObject> {
+    let drawn = || {
+        let engine = service.engine();
+        let found = engine.rig(rig)?;
+        let subject = service.subject(&FrameParams::of(rig), &found)?;
+        let drawing = local::draw(engine, &found, subject, |frame, timings| {
+            Ok((frame.size, timings))
+        })?;
+        drawing.wait()
+    };
+    drawn().map_err(|fault: Fault| fault.into())
 }
 
 /// How to get at a GPU that was not found, on this distribution.

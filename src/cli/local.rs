@@ -1,18 +1,18 @@
-//! A service in this process, for subcommands that need no daemon.
+//! An engine in this process, for subcommands that need no daemon. Never lives here: what is drawn.
 
 use super::terminal::Warnings;
 use super::{RendererArgs, builtin};
-use crate::engine::{AdapterChoice, Engine, LoadedRig, RendererChoice};
+use crate::engine::{
+    AdapterChoice, Cancellation, Engine, JobContext, LoadedRig, RendererChoice, RigRef, Timings,
+};
 use crate::formats::Source;
+use crate::frame::{ImageKind, Raster};
 use crate::limits::Limits;
-use crate::protocol::{Id, Outgoing, Reply};
-use crate::service::{Conversation, Message, Pending, Service};
-use anyhow::Context;
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use crate::protocol::Fault;
+use crate::service::Subject;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
-use std::time::Instant;
+use std::sync::mpsc::{self, Receiver};
 
 impl RendererArgs {
     pub(super) fn threads(&self) -> Option<NonZeroUsize> {
@@ -56,46 +56,44 @@ pub(super) fn load(
     Ok(loaded)
 }
 
-/// Asks a service of this process; raw bytes that come with the reply are given beside it.
-pub(super) fn ask<P: Serialize, R: DeserializeOwned>(
-    service: &Arc<Service>,
-    method: &str,
-    params: &P,
-) -> anyhow::Result<(R, Vec<u8>)> {
-    read(begin(&mut service.converse(), method, params)?)
+/// Begins to draw. What `then` makes of the color picture, on a thread of the engine's pool, is received once.
+pub(super) fn draw<T: Send + 'static>(
+    engine: &Engine,
+    rig: &RigRef,
+    subject: Subject,
+    then: impl FnOnce(Raster, Timings) -> Result<T, Fault> + Send + 'static,
+) -> Result<Drawing<T>, Fault> {
+    let context = job_context(engine)?;
+    let (sender, receiver) = mpsc::sync_channel(1);
+    engine.render(subject.query(&rig.loaded), context, move |drawn| {
+        let made = drawn.map_err(Fault::from).and_then(|(outputs, timings)| {
+            let mut images = outputs.images.into_iter();
+            let color = images.find(|raster| raster.kind == ImageKind::Color);
+            let message = "the renderer drew no color picture".to_owned();
+            then(color.ok_or(Fault::Internal { message })?, timings)
+        });
+        // Nobody receives it where an earlier picture failed.
+        let _ = sender.send(made);
+    });
+    Ok(Drawing(receiver))
 }
 
-/// Asks without waiting; several requests of one conversation may be on their way.
-pub(super) fn begin<P: Serialize>(
-    conversation: &mut Conversation,
-    method: &str,
-    params: &P,
-) -> anyhow::Result<Pending> {
-    let request = Outgoing {
-        id: Some(&Id::Null),
-        method,
-        params,
-        deadline_ms: None,
-        attach_bytes: 0,
-    };
-    let message = Message::read(&request.line()?, Instant::now());
-    conversation
-        .begin(message, Vec::new())
-        .context("a request with an id is answered")
+/// Something of the engine's that is still on its way.
+pub(super) struct Drawing<T>(pub Receiver<Result<T, Fault>>);
+
+impl<T> Drawing<T> {
+    pub fn wait(self) -> Result<T, Fault> {
+        self.0.recv().unwrap_or_else(|_| {
+            let message = "the renderer failed at this picture".to_owned();
+            Err(Fault::Internal { message })
+        })
+    }
 }
 
-/// Waits for what was asked.
-pub(super) fn read<R: DeserializeOwned>(pending: Pending) -> anyhow::Result<(R, Vec<u8>)> {
-    let mut reply = pending.wait();
-    let result = Reply::parse(&reply.line)?.outcome?;
-    let attached = match reply.attachments.as_mut_slice() {
-        // The usual case, without a copy.
-        [only] => std::mem::take(only).into_bytes(),
-        parts => parts
-            .iter()
-            .flat_map(|part| part.bytes())
-            .copied()
-            .collect(),
-    };
-    Ok((serde_json::from_str(result.get())?, attached))
+/// That of work that nobody cancels.
+pub(super) fn job_context(engine: &Engine) -> Result<JobContext, Fault> {
+    Ok(JobContext {
+        cancellation: Cancellation::default(),
+        ticket: engine.admission().admit()?,
+    })
 }

@@ -17,7 +17,7 @@ mod values;
 
 pub use builtin::figure;
 
-use crate::protocol::nearest;
+use crate::spelling::nearest;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use exit::Outcome;

@@ -5,7 +5,7 @@ use super::terminal::{Warnings, note, print, printable};
 use super::values::address;
 use super::{RendererArgs, local};
 use crate::formats::Source;
-use crate::server::{Patience, Server, Stopper};
+use crate::server::{Server, Stopper, Timeouts};
 use crate::service::Service;
 use anyhow::Context;
 use clap::Args;
@@ -45,7 +45,7 @@ pub(super) fn run(args: &ServeArgs) -> anyhow::Result<()> {
     let loaded = local::load(&engine, &args.files, &mut Warnings::default())?;
     let adapter = engine.adapter().to_string();
     let service = Service::new(engine, source);
-    let server = Server::bind(&args.listen, service, Patience::default())
+    let server = Server::bind(&args.listen, service, Timeouts::default())
         .with_context(|| format!("cannot listen on {}", args.listen))?;
     let address = server.address()?;
     if !address.ip().is_loopback() {

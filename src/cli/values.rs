@@ -5,6 +5,7 @@ use super::angle::Angle;
 use super::numbers::finite;
 use crate::encode::FrameRate;
 use crate::protocol::camera::{DirectionalLight, Falloff, Light, PointLight};
+use crate::rig::MORPH_PREFIX;
 use crate::scene::CAMERA_DISTANCES;
 use std::str::FromStr;
 
@@ -104,15 +105,12 @@ pub(super) struct Weight {
 }
 
 impl Weight {
-    /// What weights are called among the degrees of freedom.
-    pub const PREFIX: &str = "morph.";
-
     /// The degree of freedom, which may be typed as such.
     pub fn dof(&self) -> String {
-        if self.morph.starts_with(Self::PREFIX) {
+        if self.morph.starts_with(MORPH_PREFIX) {
             self.morph.clone()
         } else {
-            format!("{}{}", Self::PREFIX, self.morph)
+            format!("{}{}", MORPH_PREFIX, self.morph)
         }
     }
 }

@@ -1,5 +1,6 @@
-//! How much work the server takes on at a time: a count of requests being worked on, the bytes of their results, and the bytes that
-//! they bring along. Of results each connection has a share, so that none can take everything.
+//! How much work the server takes on at a time: a count of requests in the works, the bytes of their results, and the bytes that they
+//! bring along. Of results each connection has a quota, so that none can take everything.
+//! Never lives here: what a request costs.
 
 use super::EngineError;
 use crate::limits::Limits;
@@ -60,22 +61,22 @@ impl Admission {
         self.requests.used()
     }
 
-    /// A place among those being worked on.
+    /// Admits one more request.
     ///
     /// # Errors
-    /// [`EngineError::Busy`] where all are taken.
+    /// [`EngineError::Busy`] where as many are in the works as may be.
     pub fn admit(self: &Arc<Self>) -> Result<Ticket, EngineError> {
         if self.requests.take(1) {
-            Ok(Ticket(Arc::new(Place(Arc::clone(self)))))
+            Ok(Ticket(Arc::new(Admitted(Arc::clone(self)))))
         } else {
             Err(self.busy())
         }
     }
 
-    /// What one connection may take of the room for results.
-    pub fn share(self: &Arc<Self>) -> Arc<Share> {
+    /// The quota of a new connection.
+    pub fn connection_quota(self: &Arc<Self>) -> Arc<ConnectionQuota> {
         let most = self.bytes_per_connection.min(self.bytes.most);
-        Arc::new(Share {
+        Arc::new(ConnectionQuota {
             admission: Arc::clone(self),
             used: Mutex::new(0),
             freed: Condvar::new(),
@@ -83,10 +84,10 @@ impl Admission {
         })
     }
 
-    /// Room for bytes that a request brings along; `None` where there is none now.
-    pub fn attach(self: &Arc<Self>, bytes: u64) -> Option<AttachedBytes> {
+    /// Memory for bytes that a request brings along; `None` where there is none now.
+    pub fn reserve_attachment(self: &Arc<Self>, bytes: u64) -> Option<AttachmentPermit> {
         let bytes = bytes.min(self.attached.most);
-        self.attached.take(bytes).then(|| AttachedBytes {
+        self.attached.take(bytes).then(|| AttachmentPermit {
             admission: Arc::clone(self),
             bytes,
         })
@@ -99,50 +100,49 @@ impl Admission {
     }
 }
 
-/// A place among the requests being worked on, given back as the last clone is dropped: one for all parts of a request.
+/// An admitted request, until the last clone is dropped: one for all parts of a request.
 #[derive(Debug, Clone)]
-pub struct Ticket(#[expect(dead_code, reason = "held to be dropped")] Arc<Place>);
+pub struct Ticket(#[expect(dead_code, reason = "held to be dropped")] Arc<Admitted>);
 
 #[derive(Debug)]
-struct Place(Arc<Admission>);
+struct Admitted(Arc<Admission>);
 
-impl Drop for Place {
+impl Drop for Admitted {
     fn drop(&mut self) {
         self.0.requests.give_back(1);
     }
 }
 
-/// Room for what a request brings along, given back on drop.
+/// Memory for what a request brings along, given back on drop.
 #[derive(Debug)]
-pub struct AttachedBytes {
+pub struct AttachmentPermit {
     admission: Arc<Admission>,
     bytes: u64,
 }
 
-impl Drop for AttachedBytes {
+impl Drop for AttachmentPermit {
     fn drop(&mut self) {
         self.admission.attached.give_back(self.bytes);
     }
 }
 
-/// The room for results of one connection, out of that of all.
+/// How much of the memory for results one connection may take.
 #[derive(Debug)]
-pub struct Share {
+pub struct ConnectionQuota {
     admission: Arc<Admission>,
     used: Mutex<u64>,
     freed: Condvar,
     most: u64,
 }
 
-impl Share {
-    /// Room for a result of that size, to be held until it has been written out. Waits while this connection's own results take up
-    /// its share.
+impl ConnectionQuota {
+    /// Memory for a result of that size, to be held until it has been written out. Blocks while this connection's own results take up
+    /// its quota.
     ///
     /// # Errors
     /// [`EngineError::Busy`] where the results of all connections take up everything.
-    pub fn hold(self: &Arc<Self>, bytes: u64) -> Result<HeldBytes, EngineError> {
-        // One result that is larger than the whole share goes through when nothing else does: limits on pictures and rigs have
-        // the last word on what is too large.
+    pub fn reserve(self: &Arc<Self>, bytes: u64) -> Result<MemoryPermit, EngineError> {
+        // A result that is larger than the whole quota is let through alone: what is too large, limits on pictures and rigs say.
         let bytes = bytes.min(self.most);
         let used = self.used();
         let is_full = |used: &mut u64| *used + bytes > self.most;
@@ -154,8 +154,8 @@ impl Share {
             return Err(self.admission.busy());
         }
         *used += bytes;
-        Ok(HeldBytes {
-            share: Arc::clone(self),
+        Ok(MemoryPermit {
+            quota: Arc::clone(self),
             bytes,
         })
     }
@@ -165,33 +165,33 @@ impl Share {
     }
 }
 
-/// Room for a result, given back on drop.
+/// Memory for a result, given back on drop.
 #[derive(Debug)]
-pub struct HeldBytes {
-    share: Arc<Share>,
+pub struct MemoryPermit {
+    quota: Arc<ConnectionQuota>,
     bytes: u64,
 }
 
-impl HeldBytes {
-    /// Room for so much more. It does not wait: whoever has begun cannot.
+impl MemoryPermit {
+    /// Memory for so much more. It never blocks: threads of the pool call this.
     ///
     /// # Errors
     /// [`EngineError::Busy`] where the results of all connections take up everything.
     pub fn grow(&mut self, bytes: u64) -> Result<(), EngineError> {
-        if !self.share.admission.bytes.take(bytes) {
-            return Err(self.share.admission.busy());
+        if !self.quota.admission.bytes.take(bytes) {
+            return Err(self.quota.admission.busy());
         }
         self.bytes += bytes;
-        *self.share.used() += bytes;
+        *self.quota.used() += bytes;
         Ok(())
     }
 }
 
-impl Drop for HeldBytes {
+impl Drop for MemoryPermit {
     fn drop(&mut self) {
-        self.share.admission.bytes.give_back(self.bytes);
-        *self.share.used() -= self.bytes;
-        self.share.freed.notify_all();
+        self.quota.admission.bytes.give_back(self.bytes);
+        *self.quota.used() -= self.bytes;
+        self.quota.freed.notify_all();
     }
 }
 
@@ -216,31 +216,31 @@ mod tests {
         drop(first);
         assert!(admission.admit().is_ok());
 
-        let (one, other) = (admission.share(), admission.share());
-        let held = one.hold(60).unwrap();
-        assert!(other.hold(60).is_err());
+        let (one, other) = (admission.connection_quota(), admission.connection_quota());
+        let held = one.reserve(60).unwrap();
+        assert!(other.reserve(60).is_err());
         drop(held);
         assert!(
-            other.hold(1_000).is_ok(),
+            other.reserve(1_000).is_ok(),
             "a single giant is let through alone"
         );
     }
 
     #[test]
-    fn a_connection_waits_for_its_own_share_and_leaves_the_rest_to_others() {
+    fn a_connection_waits_for_its_own_quota_and_leaves_the_rest_to_others() {
         let limits = Limits {
             in_flight_bytes: 100,
             in_flight_bytes_per_connection: 50,
             ..Limits::default()
         };
         let admission = Arc::new(Admission::new(&limits));
-        let (greedy, modest) = (admission.share(), admission.share());
-        let held = greedy.hold(40).unwrap();
+        let (greedy, modest) = (admission.connection_quota(), admission.connection_quota());
+        let held = greedy.reserve(40).unwrap();
         let waiting = {
             let greedy = Arc::clone(&greedy);
-            std::thread::spawn(move || greedy.hold(40).is_ok())
+            std::thread::spawn(move || greedy.reserve(40).is_ok())
         };
-        assert!(modest.hold(50).is_ok());
+        assert!(modest.reserve(50).is_ok());
         drop(held);
         assert!(waiting.join().unwrap());
     }

@@ -4,13 +4,13 @@ use crate::formats::LoadError;
 use crate::limits::LimitExceeded;
 use crate::pose::{OutsideLimits, PoseOutOfRange};
 use crate::render::{AdapterError, RenderError};
-use crate::scene::{SceneError, SizeError};
+use std::sync::Arc;
 
 #[derive(Debug, thiserror::Error)]
 pub enum EngineError {
     /// `loaded` are the names of those that are.
     #[error("no rig named `{rig}` is loaded")]
-    RigNotLoaded { rig: String, loaded: Vec<String> },
+    RigNotLoaded { rig: String, loaded: Vec<Arc<str>> },
     #[error(
         "a rig named `{rig}` is loaded from other files; say `replace` to put this one in its place"
     )]
@@ -23,14 +23,7 @@ pub enum EngineError {
     #[error("{queue_depth} requests are in hand already; try again soon")]
     Busy { queue_depth: u64 },
     #[error(transparent)]
-    OutsideLimits(#[from] OutsideLimits),
-    #[error(transparent)]
-    PoseOutOfRange(#[from] PoseOutOfRange),
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// A name or number in a pose or query that the rig has no use for.
-    #[error("{problem}")]
-    NoSuchPart { field: String, problem: String },
+    Pose(#[from] PoseError),
     #[error("the graphics device was lost: {reason}")]
     DeviceLost { reason: String },
     #[error(transparent)]
@@ -45,13 +38,13 @@ pub enum EngineError {
     Internal { reason: String },
 }
 
-impl From<SizeError> for EngineError {
-    fn from(error: SizeError) -> Self {
-        match error {
-            SizeError::Scene(error) => Self::Scene(error),
-            SizeError::Limit(error) => Self::Limit(error),
-        }
-    }
+/// Why a rig cannot be brought into a pose.
+#[derive(Debug, thiserror::Error)]
+pub enum PoseError {
+    #[error(transparent)]
+    OutsideLimits(#[from] OutsideLimits),
+    #[error(transparent)]
+    OutOfRange(#[from] PoseOutOfRange),
 }
 
 impl From<RenderError> for EngineError {

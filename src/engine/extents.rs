@@ -26,8 +26,8 @@ impl Extents {
         let palette = rest.palette(Skinning::Linear);
         let (mut skin, mut drawn, mut drawn_as_modelled) = (None, None, None);
         for mesh in rig.meshes() {
-            let (skinned, _) = cpu::skin_mesh(mesh, palette, rest.morph_weights());
-            let skinned = |vertex: usize| Vec3::from_array(skinned[vertex]).as_dvec3();
+            let (skinned_positions, _) = cpu::skin_mesh(mesh, palette, rest.morph_weights());
+            let skinned = |vertex: usize| Vec3::from_array(skinned_positions[vertex]).as_dvec3();
             let modelled = |vertex: usize| mesh.positions()[vertex].as_dvec3();
             let corners = || {
                 mesh.triangles()
@@ -35,7 +35,8 @@ impl Extents {
                     .iter()
                     .map(|&it| it as usize)
             };
-            skin = joined(skin, Bounds::of((0..mesh.draw_vertex_count()).map(skinned)));
+            let positions = skinned_positions.as_flattened();
+            skin = joined(skin, Bounds::of_positions(positions));
             drawn = joined(drawn, Bounds::of(corners().map(skinned)));
             drawn_as_modelled = joined(drawn_as_modelled, Bounds::of(corners().map(modelled)));
         }

@@ -3,6 +3,7 @@
 mod admission;
 mod error;
 mod extents;
+mod ordered;
 mod pool;
 mod query;
 mod recent;
@@ -10,12 +11,13 @@ mod store;
 mod worker;
 
 pub use crate::render::{AdapterChoice, AdapterInfo, AdapterKind, Backend};
-pub use admission::{Admission, AttachedBytes, HeldBytes, Share, Ticket};
-pub use error::EngineError;
+pub use admission::{Admission, AttachmentPermit, ConnectionQuota, MemoryPermit, Ticket};
+pub use error::{EngineError, PoseError};
 pub use extents::Extents;
+pub use ordered::{Ordered, Place, Work};
 pub use query::{Character, FrameQuery, PickQuery};
-pub use store::{LoadedRig, RigRef};
-pub use worker::{Timings, Urgency};
+pub use store::{ChangedPose, LoadedRig, RigRef};
+pub use worker::{Cancellation, Timings};
 
 use crate::formats::{self, FileRef, Source};
 use crate::frame::{Outputs, SkinnedVertices};
@@ -46,10 +48,10 @@ pub fn adapters(threads: Option<NonZeroUsize>) -> Vec<AdapterInfo> {
     render::adapters(Pool::threads(threads))
 }
 
-/// On what terms a job is taken on.
+/// What accompanies a job on its way.
 #[derive(Debug)]
-pub struct Terms {
-    pub urgency: Urgency,
+pub struct JobContext {
+    pub cancellation: Cancellation,
     /// Held until the job is answered.
     pub ticket: Ticket,
 }
@@ -80,9 +82,19 @@ impl RigRef {
         &self,
         base: Base,
         edit: &PoseEdit,
-    ) -> Result<(Arc<Posed>, Vec<Clamped>), EngineError> {
+    ) -> Result<(Arc<Posed>, Vec<Clamped>), PoseError> {
         let (pose, clamped) = self.start(base).edited(edit)?;
         Ok((self.loaded.recent.posed(pose)?, clamped))
+    }
+
+    /// What the stored pose may become.
+    ///
+    /// # Errors
+    /// As the pose has them. One that cannot be worked out is not to be kept either.
+    pub fn changed(&self, base: Base, edit: &PoseEdit) -> Result<ChangedPose, PoseError> {
+        let (pose, clamped) = self.start(base).edited(edit)?;
+        Posed::new(&pose)?;
+        Ok(ChangedPose { pose, clamped })
     }
 }
 
@@ -189,29 +201,28 @@ impl Engine {
         self.store.find(rig)
     }
 
-    /// Changes the stored pose for good, by the edit that `choose` makes for the rig.
+    /// Changes the stored pose for good, to what `change` makes of it.
     ///
     /// # Errors
-    /// As `choose` and the pose have them; the stored pose is then as it was.
-    pub fn set_pose(
+    /// [`EngineError::RigNotLoaded`], and as `change` has them; the stored pose is then as it was.
+    pub fn set_pose<E: From<EngineError>>(
         &self,
         rig: &str,
-        choose: impl FnOnce(&RigRef) -> Result<(Base, PoseEdit), EngineError>,
-    ) -> Result<(Arc<LoadedRig>, Vec<Clamped>), EngineError> {
-        self.store.update_pose(rig, |current| {
-            let (base, edit) = choose(current)?;
-            let (pose, clamped) = current.start(base).edited(&edit)?;
-            // A pose that cannot be worked out is not kept either.
-            Posed::new(&pose)?;
-            Ok((pose, clamped))
-        })
+        change: impl FnOnce(&RigRef) -> Result<ChangedPose, E>,
+    ) -> Result<(Arc<LoadedRig>, Vec<Clamped>), E> {
+        self.store.update_pose(rig, change)
     }
 
     /// # Errors
     /// [`EngineError::RigNotLoaded`].
     pub fn reset_pose(&self, rig: &str) -> Result<(), EngineError> {
+        // Loading has worked it out.
+        let at_rest = |current: &RigRef| ChangedPose {
+            pose: current.start(Base::Rest),
+            clamped: Vec::new(),
+        };
         self.store
-            .update_pose(rig, |current| Ok((current.start(Base::Rest), Vec::new())))?;
+            .update_pose::<EngineError>(rig, |current| Ok(at_rest(current)))?;
         Ok(())
     }
 
@@ -229,10 +240,10 @@ impl Engine {
     pub fn render(
         &self,
         query: FrameQuery,
-        terms: Terms,
+        context: JobContext,
         done: impl FnOnce(Result<(Outputs, Timings), EngineError>) + Send + 'static,
     ) {
-        self.run(query.into(), terms, done);
+        self.run(query.into(), context, done);
     }
 
     /// Skins `posed` and copies out what `queries` ask for, all of it inside its meshes. `done` as for [`Engine::render`].
@@ -242,11 +253,11 @@ impl Engine {
         skinning: Skinning,
         shape: Shape,
         queries: Vec<VertexQuery>,
-        terms: Terms,
+        context: JobContext,
         done: impl FnOnce(Result<(Vec<SkinnedVertices>, Timings), EngineError>) + Send + 'static,
     ) {
         let plan = Plan::vertices(posed, skinning, shape, queries);
-        self.run(plan, terms, move |result| {
+        self.run(plan, context, move |result| {
             done(result.map(|(outputs, timings)| (outputs.vertices, timings)));
         });
     }
@@ -257,7 +268,7 @@ impl Engine {
         posed: Arc<Posed>,
         skinning: Skinning,
         query: PickQuery,
-        terms: Terms,
+        context: JobContext,
         done: impl FnOnce(Result<(Option<Hit>, Timings), EngineError>) + Send + 'static,
     ) {
         let rig = Arc::clone(posed.rig());
@@ -304,7 +315,7 @@ impl Engine {
             skinning,
             shape,
             queries.collect(),
-            terms,
+            context,
             move |result| {
                 done(result.map(|(meshes, timings)| (pick(&looked_at, Some(&meshes)), timings)));
             },
@@ -314,7 +325,7 @@ impl Engine {
     fn run(
         &self,
         plan: Plan,
-        terms: Terms,
+        context: JobContext,
         done: impl FnOnce(Result<(Outputs, Timings), EngineError>) + Send + 'static,
     ) {
         let skins = plan.vertices.iter();
@@ -330,7 +341,7 @@ impl Engine {
         };
         self.opened
             .worker
-            .take(Job::new(plan, terms, Box::new(done)));
+            .take(Job::new(plan, context, Box::new(done)));
     }
 
     /// Destroys the device, to see what a driver's crash would do.

@@ -1,8 +1,8 @@
 //! The loaded rigs by name, each with its stored pose.
 
-use super::EngineError;
 use super::extents::Extents;
 use super::recent::RecentPoses;
+use super::{EngineError, PoseError};
 use crate::formats::Loaded;
 use crate::limits::Limits;
 use crate::pose::{Clamped, Pose, Posed};
@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// A rig as it was loaded.
 #[derive(Debug)]
 pub struct LoadedRig {
-    pub name: String,
+    pub name: Arc<str>,
     /// `sha256:` and 64 hexadecimal digits.
     pub digest: String,
     /// Which reader read each file.
@@ -35,9 +35,10 @@ impl LoadedRig {
             digest,
             dialects,
         } = loaded;
-        let name = name.map_or(stem, str::to_owned);
+        let name = name.map_or_else(|| stem.into(), Arc::from);
         let rig = Arc::new(rig);
-        let extents = Extents::of(&Posed::new(&Pose::rest(&rig))?);
+        let rest = Posed::new(&Pose::rest(&rig)).map_err(PoseError::from)?;
+        let extents = Extents::of(&rest);
         Ok(Self {
             name,
             digest,
@@ -75,13 +76,19 @@ pub struct RigRef {
     pub by_digest: bool,
 }
 
+/// A pose that may be stored: it was worked out once. [`RigRef::changed`] makes them.
+pub struct ChangedPose {
+    pub(super) pose: Pose,
+    pub(super) clamped: Vec<Clamped>,
+}
+
 struct Entry {
     loaded: Arc<LoadedRig>,
     stored: Pose,
 }
 
 pub(super) struct Store {
-    entries: Mutex<BTreeMap<String, Entry>>,
+    entries: Mutex<BTreeMap<Arc<str>, Entry>>,
     limits: Limits,
 }
 
@@ -112,7 +119,11 @@ impl Store {
             Some(entry) if entry.loaded.digest == loaded.digest => {
                 return Ok(Arc::clone(&entry.loaded));
             }
-            Some(_) if !replace => return Err(EngineError::RigNameTaken { rig: name }),
+            Some(_) if !replace => {
+                return Err(EngineError::RigNameTaken {
+                    rig: name.to_string(),
+                });
+            }
             _ => {}
         }
         let others = entries.iter().filter(|(other, _)| **other != name);
@@ -165,14 +176,17 @@ impl Store {
     }
 
     /// The lock is held from reading the stored pose to writing it, so that no change of another connection is lost.
-    pub fn update_pose(
+    pub fn update_pose<E: From<EngineError>>(
         &self,
         rig: &str,
-        update: impl FnOnce(&RigRef) -> Result<(Pose, Vec<Clamped>), EngineError>,
-    ) -> Result<(Arc<LoadedRig>, Vec<Clamped>), EngineError> {
+        update: impl FnOnce(&RigRef) -> Result<ChangedPose, E>,
+    ) -> Result<(Arc<LoadedRig>, Vec<Clamped>), E> {
         let mut entries = self.lock();
         let (name, current) = find(&entries, rig)?;
-        let (stored, clamped) = update(&current)?;
+        let ChangedPose {
+            pose: stored,
+            clamped,
+        } = update(&current)?;
         let loaded = current.loaded;
         entries.insert(
             name,
@@ -184,14 +198,14 @@ impl Store {
         Ok((loaded, clamped))
     }
 
-    fn lock(&self) -> MutexGuard<'_, BTreeMap<String, Entry>> {
+    fn lock(&self) -> MutexGuard<'_, BTreeMap<Arc<str>, Entry>> {
         // Entries are replaced whole, so a panic elsewhere left none half-written.
         self.entries.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 /// The rig of that name, else the first by name that has that digest.
-fn find(entries: &BTreeMap<String, Entry>, rig: &str) -> Result<(String, RigRef), EngineError> {
+fn find(entries: &BTreeMap<Arc<str>, Entry>, rig: &str) -> Result<(Arc<str>, RigRef), EngineError> {
     let by_name = entries.get_key_value(rig);
     let by_digest = || entries.iter().find(|(_, entry)| entry.loaded.digest == rig);
     let (name, entry) = by_name
@@ -206,7 +220,7 @@ fn find(entries: &BTreeMap<String, Entry>, rig: &str) -> Result<(String, RigRef)
         RigRef {
             loaded,
             stored,
-            by_digest: name != rig,
+            by_digest: **name != *rig,
         },
     ))
 }

@@ -147,18 +147,23 @@ impl Pose {
 
     /// The value of every DOF, in the order of the rig's DOFs.
     pub fn dof_values(&self) -> Vec<f64> {
-        self.rig
-            .dofs()
-            .all()
-            .iter()
-            .map(|dof| self.value(dof))
+        // Once for each joint and not for each of its angles: of a quaternion they have to be looked for.
+        let angles: Vec<DVec3> = (0..self.joints.len())
+            .map(|joint| self.angles(joint))
+            .collect();
+        let dofs = self.rig.dofs().all().iter();
+        dofs.map(|dof| self.value_by(dof, |joint| angles[joint]))
             .collect()
     }
 
     fn value(&self, dof: &Dof) -> f64 {
+        self.value_by(dof, |joint| self.angles(joint))
+    }
+
+    fn value_by(&self, dof: &Dof, angles: impl Fn(usize) -> DVec3) -> f64 {
         match dof.kind {
             DofKind::Translation { joint, axis } => self.joints[joint].displacement[axis.index()],
-            DofKind::Rotation { joint, axis } => self.angles(joint)[axis.index()],
+            DofKind::Rotation { joint, axis } => angles(joint)[axis.index()],
             DofKind::Scale { joint, axis } => self.joints[joint].scale[axis.index()],
             DofKind::Morph { morph } => self.morph_weights[morph],
         }

@@ -1,14 +1,13 @@
 //! Raw bytes beside a line: what a request refers to, and what a reply collects.
 //! Never lives here: reading and writing them, and the limit on how many there may be.
 
-use super::blob::Numbers;
-use super::error::Fault;
+use super::field::{FieldFault, FieldPath};
 use base64_simd::STANDARD;
+use bytes::Bytes;
 use schemars::JsonSchema;
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
-use std::ops::Deref;
 
 /// A stretch of the raw bytes that follow the request's line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -21,11 +20,11 @@ pub struct Attach {
 }
 
 impl Attach {
-    /// The stretch itself. `path` is that of the field, for the fault.
+    /// The stretch itself.
     ///
     /// # Errors
-    /// [`Fault::InvalidParams`] where the request did not bring that many bytes.
-    pub fn of<'a>(&self, attached: &'a [u8], path: &str) -> Result<&'a [u8], Fault> {
+    /// Where the request did not bring that many bytes.
+    pub fn of<'a>(&self, attached: &'a [u8]) -> Result<&'a [u8], FieldFault> {
         usize::try_from(self.offset)
             .ok()
             .zip(usize::try_from(self.bytes).ok())
@@ -33,126 +32,41 @@ impl Attach {
             .ok_or_else(|| {
                 let Self { offset, bytes } = self;
                 let length = attached.len();
-                Fault::invalid_params(
-                    path,
+                FieldFault::new(
+                    FieldPath::default(),
                     format!("expected a part of the {length} attached bytes, but found {bytes} bytes from {offset}"),
                 )
             })
     }
 }
 
-/// Bytes, in the memory in which they were made.
-pub enum Part {
-    Bytes(Vec<u8>),
-    /// Of a machine whose numbers are little-endian.
-    Numbers(Numbers),
-    /// The same, in memory that is somebody else's.
-    Lent(Box<dyn Floats>),
-}
-
-/// Numbers of float32, wherever they lie.
-pub trait Floats: Send + Sync {
-    fn floats(&self) -> &[f32];
-}
-
-impl<T: Deref<Target = [f32]> + Send + Sync> Floats for T {
-    fn floats(&self) -> &[f32] {
-        self
-    }
-}
-
-impl Part {
-    pub fn bytes(&self) -> &[u8] {
-        match self {
-            Self::Bytes(bytes) => bytes,
-            Self::Numbers(Numbers::Float32(numbers)) => bytemuck::cast_slice(numbers),
-            Self::Numbers(Numbers::Uint32(numbers)) => bytemuck::cast_slice(numbers),
-            Self::Lent(numbers) => bytemuck::cast_slice(numbers.floats()),
-        }
-    }
-
-    pub fn into_bytes(self) -> Vec<u8> {
-        match self {
-            Self::Bytes(bytes) => bytes,
-            Self::Numbers(_) | Self::Lent(_) => self.bytes().to_vec(),
-        }
-    }
-}
-
-impl fmt::Debug for Part {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} bytes", self.bytes().len())
-    }
-}
-
-impl Clone for Part {
-    fn clone(&self) -> Self {
-        Self::Bytes(self.bytes().to_vec())
-    }
-}
-
-impl PartialEq for Part {
-    fn eq(&self, other: &Self) -> bool {
-        self.bytes() == other.bytes()
-    }
-}
-
-impl Default for Part {
-    fn default() -> Self {
-        Self::Bytes(Vec::new())
-    }
-}
-
-impl From<Vec<u8>> for Part {
-    fn from(bytes: Vec<u8>) -> Self {
-        Self::Bytes(bytes)
-    }
-}
-
-impl From<Numbers> for Part {
-    fn from(numbers: Numbers) -> Self {
-        if cfg!(target_endian = "little") {
-            Self::Numbers(numbers)
-        } else {
-            Self::Bytes(numbers.little_endian())
-        }
-    }
-}
-
-/// Raw bytes that will follow a reply's line, in the order in which its blobs were made. Nothing is copied into one piece.
-#[derive(Debug, Clone, Default, PartialEq)]
+/// Raw bytes beside a reply, in the order in which its blobs were made. Nothing is copied into one piece.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Attachments {
-    parts: Vec<Part>,
-    total: u64,
+    parts: Vec<Bytes>,
+    total_bytes: u64,
 }
 
 impl Attachments {
-    /// The offset at which a reader will find these bytes.
-    pub fn push(&mut self, part: impl Into<Part>) -> u64 {
-        let (part, offset) = (part.into(), self.total);
-        self.total += part.bytes().len() as u64;
+    /// The offset at which a reader finds these bytes, counted from the first byte of the first part.
+    pub fn push(&mut self, part: impl Into<Bytes>) -> u64 {
+        let (part, offset) = (part.into(), self.total_bytes);
+        self.total_bytes += part.len() as u64;
         self.parts.push(part);
         offset
     }
 
-    /// The `attach_bytes` of the line.
-    pub fn total(&self) -> u64 {
-        self.total
+    pub fn total_bytes(&self) -> u64 {
+        self.total_bytes
     }
 
-    /// To be written one after another, right after the line.
-    pub fn parts(&self) -> &[Part] {
-        &self.parts
-    }
-
-    pub fn into_parts(self) -> Vec<Part> {
+    pub fn into_parts(self) -> Vec<Bytes> {
         self.parts
     }
 
     /// A copy in one piece.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let parts: Vec<&[u8]> = self.parts.iter().map(Part::bytes).collect();
-        parts.concat()
+        self.parts.concat()
     }
 }
 
@@ -220,16 +134,16 @@ mod tests {
     #[test]
     fn a_stretch_is_taken_only_from_within_what_came() {
         let attached = b"abcdef";
-        let of = |offset, bytes| Attach { offset, bytes }.of(attached, "files[0].attach");
+        let of = |offset, bytes| Attach { offset, bytes }.of(attached);
         assert_eq!(of(0, 6), Ok(&b"abcdef"[..]));
         assert_eq!(of(2, 3), Ok(&b"cde"[..]));
         assert_eq!(of(6, 0), Ok(&b""[..]));
         for (offset, bytes) in [(0, 7), (6, 1), (7, 0), (u64::MAX, 1), (1, u64::MAX)] {
             let fault = of(offset, bytes).unwrap_err();
-            assert!(
-                matches!(&fault, Fault::InvalidParams { path, .. } if path == "files[0].attach"),
-                "{fault}"
+            let wanted = format!(
+                "params: expected a part of the 6 attached bytes, but found {bytes} bytes from {offset}"
             );
+            assert_eq!(fault.to_string(), wanted);
         }
     }
 
@@ -239,7 +153,7 @@ mod tests {
         assert_eq!(attachments.push(vec![1, 2, 3]), 0);
         assert_eq!(attachments.push(vec![]), 3);
         assert_eq!(attachments.push(vec![4]), 3);
-        assert_eq!(attachments.total(), 4);
+        assert_eq!(attachments.total_bytes(), 4);
         assert_eq!(attachments.to_bytes(), [1, 2, 3, 4]);
     }
 }

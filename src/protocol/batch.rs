@@ -2,19 +2,16 @@
 //! Never lives here: what one picture or one mesh is.
 
 use super::Id;
-use super::blob::{ArrayTransport, Blob, PictureTransport};
-use super::camera::{Camera, Lights};
-use super::frame::{
-    Compression, Cull, Frame, FrameParams, ImageFormat, Material, Output, Samples, Show, Skinning,
-    Timings, frame_request,
-};
+use super::blob::{ArrayTransport, Blob};
+use super::frame::{Frame, Over, Skinning, Timings, frame_change, frame_fields, frame_request};
 use super::mesh::{MeshVertices, Range, VertexState};
 use super::pose::{Clamped, DofValues, Pose};
 use super::rig::Bounds;
+use super::{blob, camera, frame, pose};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-frame_request! {
+frame_fields! { frame_request! {
     /// Asks for many pictures: a frame request, and what is different in each picture.
     FrameBatchParams {
         /// One for each picture. What it gives stands in place of the same field of the common part.
@@ -23,73 +20,12 @@ frame_request! {
         #[serde(default)]
         stream: bool,
     }
-}
+} }
 
-/// What is different in one picture of a batch: any field of a frame request.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct FrameChange {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub rig: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pose: Option<Box<Pose>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub skinning: Option<Skinning>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub show: Option<Box<Show>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub camera: Option<Box<Camera>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub lights: Option<Lights>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub ambient: Option<[f64; 3]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub material: Option<Box<Material>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub background: Option<[f64; 4]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub cull: Option<Cull>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub size: Option<[u32; 2]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub samples: Option<Samples>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub outputs: Option<Vec<Output>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub image: Option<ImageFormat>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub compression: Option<Compression>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub transport: Option<PictureTransport>,
-}
-
-impl FrameChange {
-    /// The whole request for this picture, laid over the common part.
-    pub fn over(&self, common: &FrameBatchParams) -> FrameParams {
-        fn laid<T: Clone>(change: Option<&T>, common: T) -> T {
-            change.cloned().unwrap_or(common)
-        }
-        let common = common.frame();
-        FrameParams {
-            rig: laid(self.rig.as_ref(), common.rig),
-            pose: laid(self.pose.as_deref(), common.pose),
-            skinning: laid(self.skinning.as_ref(), common.skinning),
-            show: laid(self.show.as_deref(), common.show),
-            camera: laid(self.camera.as_deref(), common.camera),
-            lights: self.lights.clone().or(common.lights),
-            ambient: self.ambient.or(common.ambient),
-            material: laid(self.material.as_deref(), common.material),
-            background: self.background.or(common.background),
-            cull: laid(self.cull.as_ref(), common.cull),
-            size: laid(self.size.as_ref(), common.size),
-            samples: laid(self.samples.as_ref(), common.samples),
-            outputs: laid(self.outputs.as_ref(), common.outputs),
-            image: laid(self.image.as_ref(), common.image),
-            compression: laid(self.compression.as_ref(), common.compression),
-            transport: laid(self.transport.as_ref(), common.transport),
-        }
-    }
-}
+frame_fields! { frame_change! {
+    /// What is different in one picture of a batch: any field of a frame request.
+    FrameChange over FrameBatchParams
+} }
 
 /// The pictures of a batch, or how many were sent ahead.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -200,16 +136,11 @@ pub struct MeshReady {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::{Value, json};
+    use crate::protocol::frame::FrameParams;
+    use serde_json::json;
 
     #[test]
-    fn a_change_can_have_every_field_of_a_frame_request() {
-        let fields = |schema: schemars::Schema| -> Vec<String> {
-            let properties = schema.get("properties").and_then(Value::as_object).cloned();
-            properties.unwrap().keys().cloned().collect()
-        };
-        let of_change = fields(schemars::schema_for!(FrameChange));
-        assert_eq!(of_change, fields(schemars::schema_for!(FrameParams)));
+    fn a_change_is_laid_over_the_common_part_field_by_field() {
         let whole = json!({
             "rig": "other", "pose": {"dofs": {"a.rx": 1.0}}, "skinning": "dual_quaternion", "show": {"skin_opacity": 0.5},
             "camera": {"kind": "orbit", "azimuth": 1.0}, "lights": [], "ambient": [0.5, 0.5, 0.5], "material": {"shininess": 3.0},

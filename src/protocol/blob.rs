@@ -1,7 +1,8 @@
 //! Pictures and arrays in a result, and the three ways in which they travel.
 //! Never lives here: compressing pictures, and writing what is attached.
 
-use super::attach::{Attachments, Floats, Part};
+use super::attach::Attachments;
+use bytes::Bytes;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -37,13 +38,13 @@ pub enum Picture {
     Png {
         width: u32,
         height: u32,
-        file: Vec<u8>,
+        file: Bytes,
     },
     /// `4 * width * height` bytes, rows from the top: sRGB, straight alpha.
     Rgba8 {
         width: u32,
         height: u32,
-        pixels: Vec<u8>,
+        pixels: Bytes,
     },
 }
 
@@ -65,13 +66,6 @@ impl Picture {
     }
 }
 
-/// The numbers of an array, in C order.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Numbers {
-    Float32(Vec<f32>),
-    Uint32(Vec<u32>),
-}
-
 /// A picture or an array of a result. It keeps what it was given and is written out piece by piece, so that nothing large is held twice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Blob {
@@ -87,9 +81,13 @@ pub(super) enum Content {
 
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Body {
-    Base64(Part),
-    Json(Numbers),
-    Attach { offset: u64, bytes: u64 },
+    Base64(Bytes),
+    /// Bytes of an array, little-endian, that travel as a list of its numbers.
+    Json(Bytes),
+    Attach {
+        offset: u64,
+        bytes: u64,
+    },
 }
 
 /// What one number of an array is.
@@ -139,45 +137,28 @@ impl Blob {
             }
         };
         let body = match transport {
-            PictureTransport::Base64 => Body::Base64(bytes.into()),
-            PictureTransport::Attach => Body::attached(bytes.into(), attachments),
+            PictureTransport::Base64 => Body::Base64(bytes),
+            PictureTransport::Attach => Body::attached(bytes, attachments),
         };
         Self { content, body }
     }
 
-    /// `shape` is that of the array, the slowest index first. What is to be attached goes into `attachments`.
+    /// `bytes` are the numbers in C order, little-endian; `shape` is that of the array, the slowest index first. What is to be attached
+    /// goes into `attachments`.
     pub fn array(
-        numbers: Numbers,
+        dtype: Dtype,
+        bytes: Bytes,
         shape: &[usize],
         transport: ArrayTransport,
         attachments: &mut Attachments,
     ) -> Self {
         let shape = shape.iter().map(|length| *length as u64).collect();
-        let dtype = numbers.dtype();
         let body = match transport {
-            ArrayTransport::Json => Body::Json(numbers),
-            ArrayTransport::Base64 => Body::Base64(numbers.into()),
-            ArrayTransport::Attach => Body::attached(numbers.into(), attachments),
+            ArrayTransport::Json => Body::Json(bytes),
+            ArrayTransport::Base64 => Body::Base64(bytes),
+            ArrayTransport::Attach => Body::attached(bytes, attachments),
         };
         let content = Content::Array { dtype, shape };
-        Self { content, body }
-    }
-
-    /// An array of float32, to be attached from where it lies.
-    pub fn attached(
-        floats: impl Floats + 'static,
-        shape: &[usize],
-        attachments: &mut Attachments,
-    ) -> Self {
-        if cfg!(target_endian = "big") {
-            let numbers = Numbers::Float32(floats.floats().to_vec());
-            return Self::array(numbers, shape, ArrayTransport::Attach, attachments);
-        }
-        let content = Content::Array {
-            dtype: Dtype::Float32,
-            shape: shape.iter().map(|length| *length as u64).collect(),
-        };
-        let body = Body::attached(Part::Lent(Box::new(floats)), attachments);
         Self { content, body }
     }
 
@@ -211,8 +192,7 @@ impl Blob {
     /// [`BlobError::OutOfReach`] where the reply brought less than the blob says.
     pub fn bytes<'a>(&'a self, attached: &'a [u8]) -> Result<Cow<'a, [u8]>, BlobError> {
         match &self.body {
-            Body::Base64(part) => Ok(part.bytes().into()),
-            Body::Json(numbers) => Ok(numbers.little_endian().into()),
+            Body::Base64(bytes) | Body::Json(bytes) => Ok(bytes.as_ref().into()),
             Body::Attach { offset, bytes } => usize::try_from(*offset)
                 .ok()
                 .zip(usize::try_from(*bytes).ok())
@@ -231,10 +211,7 @@ impl Blob {
     /// # Errors
     /// As [`Blob::bytes`], and [`BlobError::Other`] where the blob is something else.
     pub fn floats(&self, attached: &[u8]) -> Result<Vec<f32>, BlobError> {
-        match &self.body {
-            Body::Json(Numbers::Float32(numbers)) => Ok(numbers.clone()),
-            _ => self.words(Dtype::Float32, attached, f32::from_le_bytes),
-        }
+        self.words(Dtype::Float32, attached, f32::from_le_bytes)
     }
 
     /// The numbers of a uint32 array, in C order, however they came.
@@ -242,10 +219,7 @@ impl Blob {
     /// # Errors
     /// As [`Blob::floats`].
     pub fn integers(&self, attached: &[u8]) -> Result<Vec<u32>, BlobError> {
-        match &self.body {
-            Body::Json(Numbers::Uint32(numbers)) => Ok(numbers.clone()),
-            _ => self.words(Dtype::Uint32, attached, u32::from_le_bytes),
-        }
+        self.words(Dtype::Uint32, attached, u32::from_le_bytes)
     }
 
     fn words<T>(
@@ -273,27 +247,11 @@ impl Blob {
 }
 
 impl Body {
-    fn attached(part: Part, attachments: &mut Attachments) -> Self {
-        let bytes = part.bytes().len() as u64;
+    fn attached(bytes: Bytes, attachments: &mut Attachments) -> Self {
+        let length = bytes.len() as u64;
         Self::Attach {
-            offset: attachments.push(part),
-            bytes,
-        }
-    }
-}
-
-impl Numbers {
-    fn dtype(&self) -> Dtype {
-        match self {
-            Self::Float32(_) => Dtype::Float32,
-            Self::Uint32(_) => Dtype::Uint32,
-        }
-    }
-
-    pub(super) fn little_endian(&self) -> Vec<u8> {
-        match self {
-            Self::Float32(numbers) => numbers.iter().flat_map(|n| n.to_le_bytes()).collect(),
-            Self::Uint32(numbers) => numbers.iter().flat_map(|n| n.to_le_bytes()).collect(),
+            offset: attachments.push(bytes),
+            bytes: length,
         }
     }
 }

@@ -2,8 +2,9 @@
 //! Never lives here: what a blob is for.
 
 use super::attach::decode_base64;
-use super::blob::{Blob, Body, Content, Dtype, Numbers};
+use super::blob::{Blob, Body, Content, Dtype};
 use base64_simd::{AsOut, STANDARD};
+use bytes::Bytes;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::ser::SerializeMap;
@@ -28,13 +29,11 @@ impl Serialize for Blob {
             }
         }
         match &self.body {
-            Body::Base64(part) => {
-                let bytes = part.bytes();
+            Body::Base64(bytes) => {
                 members.serialize_entry("bytes", &bytes.len())?;
                 members.serialize_entry("data", &InBase64(bytes))?;
             }
-            Body::Json(Numbers::Float32(numbers)) => members.serialize_entry("data", numbers)?,
-            Body::Json(Numbers::Uint32(numbers)) => members.serialize_entry("data", numbers)?,
+            Body::Json(bytes) => members.serialize_entry("data", &AsList(bytes, &self.content))?,
             Body::Attach { offset, bytes } => {
                 members.serialize_entry("bytes", bytes)?;
                 members.serialize_entry("offset", offset)?;
@@ -50,6 +49,30 @@ enum Encoding {
     Base64,
     Json,
     Attach,
+}
+
+/// The numbers of an array, decoded while they are written.
+struct AsList<'a>(&'a [u8], &'a Content);
+
+impl Serialize for AsList<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let words = self.0.as_chunks().0.iter().copied();
+        match self.1 {
+            Content::Array {
+                dtype: Dtype::Float32,
+                ..
+            } => serializer.collect_seq(words.map(f32::from_le_bytes)),
+            Content::Array {
+                dtype: Dtype::Uint32,
+                ..
+            } => serializer.collect_seq(words.map(u32::from_le_bytes)),
+            Content::Array {
+                dtype: Dtype::Uint8,
+                ..
+            }
+            | Content::Media(_) => serializer.collect_seq(self.0),
+        }
+    }
 }
 
 /// Encoded while it is written, so that there is no string of it beside the bytes and the line.
@@ -99,7 +122,7 @@ impl Members {
         };
         let body = match (self.encoding, self.data) {
             (Encoding::Base64, Some(Data::Text(bytes))) => Body::Base64(bytes.into()),
-            (Encoding::Json, Some(Data::List(list))) => Body::Json(numbers(list, &content)?),
+            (Encoding::Json, Some(Data::List(list))) => Body::Json(little_endian(list, &content)?),
             (Encoding::Attach, None) => Body::Attach {
                 offset: self.offset.ok_or("an attached blob has an `offset`")?,
                 bytes: self.bytes.ok_or("an attached blob has `bytes`")?,
@@ -110,28 +133,28 @@ impl Members {
     }
 }
 
-fn numbers(list: Vec<f64>, content: &Content) -> Result<Numbers, &'static str> {
-    match content {
+fn little_endian(list: Vec<f64>, content: &Content) -> Result<Bytes, &'static str> {
+    let list = list.into_iter();
+    let words: Option<Vec<[u8; 4]>> = match content {
         Content::Array {
             dtype: Dtype::Float32,
             ..
-        } => Ok(Numbers::Float32(
-            list.into_iter().map(|number| number as f32).collect(),
-        )),
+        } => list
+            .map(|number| Some((number as f32).to_le_bytes()))
+            .collect(),
         Content::Array {
             dtype: Dtype::Uint32,
             ..
         } => list
-            .into_iter()
             .map(|number| {
                 let integer = number as u32;
-                (f64::from(integer) == number).then_some(integer)
+                (f64::from(integer) == number).then_some(integer.to_le_bytes())
             })
-            .collect::<Option<_>>()
-            .map(Numbers::Uint32)
-            .ok_or("a number of the list is not a uint32"),
-        _ => Err("only arrays of float32 and uint32 come as a list"),
-    }
+            .collect(),
+        _ => return Err("only arrays of float32 and uint32 come as a list"),
+    };
+    let words = words.ok_or("a number of the list is not a uint32")?;
+    Ok(words.into_flattened().into())
 }
 
 enum Data {
@@ -226,8 +249,9 @@ mod tests {
     use serde_json::json;
 
     fn floats(transport: ArrayTransport, attachments: &mut Attachments) -> Blob {
-        let numbers = Numbers::Float32(vec![0.1, -1.0, 1e-7, 16_777_216.0]);
-        Blob::array(numbers, &[2, 2], transport, attachments)
+        let numbers = [0.1_f32, -1.0, 1e-7, 16_777_216.0].map(f32::to_le_bytes);
+        let bytes = numbers.as_flattened().to_vec().into();
+        Blob::array(Dtype::Float32, bytes, &[2, 2], transport, attachments)
     }
 
     #[test]
@@ -237,7 +261,7 @@ mod tests {
             Picture::Png {
                 width: 1,
                 height: 1,
-                file: vec![1, 2, 3],
+                file: vec![1, 2, 3].into(),
             },
             PictureTransport::Base64,
             &mut attachments,
@@ -249,7 +273,7 @@ mod tests {
         let pixels = Picture::Rgba8 {
             width: 2,
             height: 1,
-            pixels: vec![0; 8],
+            pixels: vec![0; 8].into(),
         };
         let bare = Blob::picture(pixels, PictureTransport::Attach, &mut attachments);
         assert_eq!(
@@ -269,7 +293,7 @@ mod tests {
             json!(floats(ArrayTransport::Base64, &mut attachments)),
             json!({"encoding": "base64", "dtype": "float32", "shape": [2, 2], "bytes": 16, "data": "zczMPQAAgL+Vv9YzAACASw=="})
         );
-        assert_eq!(attachments.total(), 24);
+        assert_eq!(attachments.total_bytes(), 24);
     }
 
     #[test]
@@ -293,8 +317,14 @@ mod tests {
                 Err(BlobError::Other { .. })
             ));
 
-            let numbers = Numbers::Uint32(vec![0, u32::MAX]);
-            let sent = Blob::array(numbers, &[2], transport, &mut attachments);
+            let numbers = [0, u32::MAX].map(u32::to_le_bytes).as_flattened().to_vec();
+            let sent = Blob::array(
+                Dtype::Uint32,
+                numbers.into(),
+                &[2],
+                transport,
+                &mut attachments,
+            );
             let text = serde_json::to_string(&sent).unwrap();
             let blob: Blob = serde_json::from_str(&text).unwrap();
             let attached = attachments.to_bytes();

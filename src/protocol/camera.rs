@@ -4,7 +4,7 @@
 //! serde reads a tagged enum through a buffer, which forgets the path of a fault. So the fields of all kinds are read into one flat struct,
 //! and sorted by kind afterwards.
 
-use super::parse::field_error;
+use super::strict::field_error;
 use schemars::{JsonSchema, Schema};
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Error, SeqAccess, Unexpected, Visitor};

@@ -2,11 +2,11 @@
 //! Never lives here: where lines end, how long they may be, and what a method's parameters are.
 
 use super::error::Fault;
+use super::field::{FieldFault, FieldPath, shortened};
 use super::id::Id;
-use super::parse::{reworded, shortened};
-use super::strict::{Strict, unknown_field};
+use super::strict::{self, expected_but_found, of_syntax, unknown_field};
 use serde::Deserializer;
-use serde::de::{DeserializeOwned, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::de::{DeserializeOwned, Error, IgnoredAny, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde_json::value::RawValue;
 use std::fmt;
 
@@ -94,16 +94,12 @@ impl Draft {
         (&mut inner)
             .deserialize_any(LineVisitor(self))
             .and_then(|()| inner.end())
-            .map_err(|error| {
-                let (_, message) = reworded(&error);
-                match error.classify() {
-                    serde_json::error::Category::Data => Fault::InvalidRequest {
-                        message,
-                        path: None,
-                    },
-                    _ => Fault::ParseError {
-                        message: format!("{message} at column {} of the line", error.column()),
-                    },
+            .map_err(|error| match self.fault.take() {
+                Some(fault) if error.is_data() => fault,
+                _ => {
+                    let (reason, column) = (of_syntax(&error), error.column());
+                    let message = format!("{reason} at column {column} of the line");
+                    Fault::ParseError { message }
                 }
             })?;
         match self.fault.take() {
@@ -136,9 +132,9 @@ impl Draft {
         }
     }
 
-    fn complain(&mut self, path: &str, message: impl Into<String>) {
+    fn complain(&mut self, member: &str, message: impl Into<String>) {
         if self.fault.is_none() {
-            self.fault = Some(invalid(path, message));
+            self.fault = Some(invalid(member, message));
         }
     }
 
@@ -170,21 +166,29 @@ impl Draft {
     }
 
     fn typed<T: DeserializeOwned>(&mut self, key: &str, raw: &RawValue) -> Option<T> {
-        let mut inner = serde_json::Deserializer::from_str(raw.get());
-        T::deserialize(Strict(&mut inner))
-            .map_err(|error| self.complain(key, reworded(&error).1))
+        strict::from_str(raw.get())
+            .map_err(|fault| self.complain(key, fault.message))
             .ok()
     }
 }
 
-fn invalid(path: &str, message: impl Into<String>) -> Fault {
-    Fault::InvalidRequest {
-        message: format!("{}: {}", shortened(path), message.into()),
-        path: Some(shortened(path)),
-    }
+fn invalid(member: &str, message: impl Into<String>) -> Fault {
+    Fault::InvalidMember(FieldFault::new(
+        FieldPath::default().field(member.to_owned()),
+        message,
+    ))
 }
 
 struct LineVisitor<'a>(&'a mut Draft);
+
+impl LineVisitor<'_> {
+    /// The error stands for a fault that is kept.
+    fn refuse<E: Error>(self, found: Unexpected) -> Result<(), E> {
+        let message = expected_but_found("a request, which is an object", found);
+        self.0.fault = Some(Fault::InvalidRequest { message });
+        Err(E::custom(""))
+    }
+}
 
 impl<'de> Visitor<'de> for LineVisitor<'_> {
     type Value = ();
@@ -200,12 +204,35 @@ impl<'de> Visitor<'de> for LineVisitor<'_> {
         Ok(())
     }
 
+    fn visit_bool<E: Error>(self, value: bool) -> Result<(), E> {
+        self.refuse(Unexpected::Bool(value))
+    }
+
+    fn visit_i64<E: Error>(self, integer: i64) -> Result<(), E> {
+        self.refuse(Unexpected::Signed(integer))
+    }
+
+    fn visit_u64<E: Error>(self, integer: u64) -> Result<(), E> {
+        self.refuse(Unexpected::Unsigned(integer))
+    }
+
+    fn visit_f64<E: Error>(self, number: f64) -> Result<(), E> {
+        self.refuse(Unexpected::Float(number))
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<(), E> {
+        self.refuse(Unexpected::Str(text))
+    }
+
+    fn visit_unit<E: Error>(self) -> Result<(), E> {
+        self.refuse(Unexpected::Unit)
+    }
+
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
         // To the end, since a broken list is a broken line.
         while seq.next_element::<IgnoredAny>()?.is_some() {}
         self.0.fault = Some(Fault::InvalidRequest {
             message: "expected a request, but found a list: write one request to a line; many may be written before a reply is read".to_owned(),
-            path: None,
         });
         Ok(())
     }

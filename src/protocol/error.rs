@@ -1,7 +1,7 @@
 //! What can go wrong: [`Fault`] with its facts, and the [`ErrorObject`] a client gets for it.
 //! Never lives here: the errors of the rooms that do the work; the service turns those into faults.
 
-use super::parse::shortened;
+use super::field::{FieldFault, FieldPath, shortened};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -12,21 +12,20 @@ pub enum Fault {
     /// The line is not JSON.
     #[error("{message}")]
     ParseError { message: String },
-    /// The line is JSON and not a request. `path` is the top-level member at fault, where it is one.
+    /// The line is JSON and not a request.
     #[error("{message}")]
-    InvalidRequest {
-        message: String,
-        path: Option<String>,
-    },
+    InvalidRequest { message: String },
+    /// A member of the line beside its parameters is not what a request has there.
+    #[error(transparent)]
+    InvalidMember(FieldFault),
     /// `nearest` is the method that may have been meant.
     #[error("there is no method `{method}`{}", did_you_mean(.nearest.as_deref()))]
     MethodNotFound {
         method: String,
         nearest: Option<String>,
     },
-    /// `path` is the field at fault, e.g. `lights[1].color`; `message` says what was expected there and what was found.
-    #[error("{path}: {message}")]
-    InvalidParams { path: String, message: String },
+    #[error(transparent)]
+    InvalidParams(#[from] FieldFault),
     /// The server's own mistake.
     #[error("{message}")]
     Internal { message: String },
@@ -65,7 +64,7 @@ pub enum Fault {
     Cancelled,
     /// Any fault but that of a parameter, and which of many parts of the request it is of: `path` leads there, e.g. `frames[3]`.
     #[error("{path}: {fault}")]
-    Within { path: String, fault: Box<Fault> },
+    Within { path: FieldPath, fault: Box<Fault> },
 }
 
 /// A rig that a request names and nobody has loaded.
@@ -94,51 +93,42 @@ pub struct InvalidRigFile {
 
 impl Fault {
     /// A field that cannot be worked with, found after the parameters were parsed.
-    pub fn invalid_params(path: impl Into<String>, message: impl Into<String>) -> Self {
-        Self::InvalidParams {
-            path: path.into(),
-            message: message.into(),
-        }
+    pub fn invalid_params(path: impl Into<FieldPath>, message: impl Into<String>) -> Self {
+        Self::InvalidParams(FieldFault::new(path, message))
     }
 
     /// That of the part of the request that `path` leads to: a parameter at fault is one of that part.
     #[must_use]
-    pub fn within(self, path: &str) -> Self {
+    pub fn within(self, path: impl Into<FieldPath>) -> Self {
         match self {
-            Self::InvalidParams {
-                path: inner,
-                message,
-            } => Self::InvalidParams {
-                path: format!("{path}.{inner}"),
-                message,
-            },
+            Self::InvalidParams(fault) => Self::InvalidParams(fault.within(path)),
             other => Self::Within {
-                path: path.to_owned(),
+                path: path.into(),
                 fault: Box::new(other),
             },
         }
     }
 
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> ErrorKind {
         match self {
             Self::Within { fault, .. } => fault.kind(),
-            Self::ParseError { .. } => Kind::ParseError,
-            Self::InvalidRequest { .. } => Kind::InvalidRequest,
-            Self::MethodNotFound { .. } => Kind::MethodNotFound,
-            Self::InvalidParams { .. } => Kind::InvalidParams,
-            Self::Internal { .. } => Kind::Internal,
-            Self::RigNotLoaded(_) => Kind::RigNotLoaded,
-            Self::RigFileInvalid(_) => Kind::RigFileInvalid,
-            Self::RigNameTaken { .. } => Kind::RigNameTaken,
-            Self::LimitExceeded { .. } => Kind::LimitExceeded,
-            Self::Unauthorized => Kind::Unauthorized,
-            Self::Busy { .. } => Kind::Busy,
-            Self::DeviceLost => Kind::DeviceLost,
-            Self::DeadlineExceeded => Kind::DeadlineExceeded,
-            Self::ShuttingDown => Kind::ShuttingDown,
-            Self::FileNotFound { .. } => Kind::FileNotFound,
-            Self::PathNotAllowed { .. } => Kind::PathNotAllowed,
-            Self::Cancelled => Kind::Cancelled,
+            Self::ParseError { .. } => ErrorKind::ParseError,
+            Self::InvalidRequest { .. } | Self::InvalidMember(_) => ErrorKind::InvalidRequest,
+            Self::MethodNotFound { .. } => ErrorKind::MethodNotFound,
+            Self::InvalidParams(_) => ErrorKind::InvalidParams,
+            Self::Internal { .. } => ErrorKind::Internal,
+            Self::RigNotLoaded(_) => ErrorKind::RigNotLoaded,
+            Self::RigFileInvalid(_) => ErrorKind::RigFileInvalid,
+            Self::RigNameTaken { .. } => ErrorKind::RigNameTaken,
+            Self::LimitExceeded { .. } => ErrorKind::LimitExceeded,
+            Self::Unauthorized => ErrorKind::Unauthorized,
+            Self::Busy { .. } => ErrorKind::Busy,
+            Self::DeviceLost => ErrorKind::DeviceLost,
+            Self::DeadlineExceeded => ErrorKind::DeadlineExceeded,
+            Self::ShuttingDown => ErrorKind::ShuttingDown,
+            Self::FileNotFound { .. } => ErrorKind::FileNotFound,
+            Self::PathNotAllowed { .. } => ErrorKind::PathNotAllowed,
+            Self::Cancelled => ErrorKind::Cancelled,
         }
     }
 
@@ -147,19 +137,21 @@ impl Fault {
         let details = match self {
             Self::Within { path, fault } => {
                 let mut members = fault.details();
-                members.insert("path".to_owned(), path.into());
+                members.insert("path".to_owned(), path.to_string().into());
                 return members;
             }
             Self::ParseError { .. }
+            | Self::InvalidRequest { .. }
             | Self::Internal { .. }
             | Self::Unauthorized
             | Self::DeviceLost
             | Self::DeadlineExceeded
             | Self::ShuttingDown
             | Self::Cancelled => json!({}),
-            Self::InvalidRequest { path, .. } => json!({ "path": path }),
             Self::MethodNotFound { nearest, .. } => json!({ "path": "method", "nearest": nearest }),
-            Self::InvalidParams { path, .. } => json!({ "path": path }),
+            Self::InvalidMember(fault) | Self::InvalidParams(fault) => {
+                json!({ "path": fault.path.to_string() })
+            }
             Self::RigNotLoaded(missing) => json!({
                 "rig": missing.rig,
                 "nearest": missing.nearest,
@@ -201,9 +193,9 @@ macro_rules! kinds {
     ($($(#[doc = $doc:literal])* $variant:ident $name:literal $code:literal $retryable:literal,)*) => {
         /// What went wrong, in one word. Clients branch on this and not on the code, since two kinds may share one.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-        pub enum Kind { $($(#[doc = $doc])* $variant,)* }
+        pub enum ErrorKind { $($(#[doc = $doc])* $variant,)* }
 
-        impl Kind {
+        impl ErrorKind {
             pub const ALL: &[Self] = &[$(Self::$variant,)*];
 
             /// As the wire spells it.
@@ -265,7 +257,7 @@ kinds! {
     Cancelled "cancelled" -32010 false,
 }
 
-impl Kind {
+impl ErrorKind {
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|kind| kind.name() == name)
     }
@@ -296,8 +288,8 @@ pub struct ErrorData {
 
 impl ErrorObject {
     /// `None` for a kind that this version does not know.
-    pub fn kind(&self) -> Option<Kind> {
-        Kind::named(&self.data.kind)
+    pub fn kind(&self) -> Option<ErrorKind> {
+        ErrorKind::named(&self.data.kind)
     }
 
     /// The member of `data` of that name.
@@ -346,13 +338,13 @@ mod tests {
             (-32009, "path_not_allowed", false),
             (-32010, "cancelled", false),
         ];
-        let kinds: Vec<_> = Kind::ALL
+        let kinds: Vec<_> = ErrorKind::ALL
             .iter()
             .map(|kind| (kind.code(), kind.name(), kind.retryable()))
             .collect();
         assert_eq!(kinds, table);
         for (_, name, _) in table {
-            assert_eq!(Kind::named(name).map(Kind::name), Some(name));
+            assert_eq!(ErrorKind::named(name).map(ErrorKind::name), Some(name));
         }
     }
 
@@ -373,7 +365,7 @@ mod tests {
         };
         let cases = [
             (
-                Fault::invalid_params("camera.fov_y", "expected a number"),
+                Fault::invalid_params(["camera", "fov_y"], "expected a number"),
                 json!({"path": "camera.fov_y"}),
             ),
             (
@@ -410,11 +402,11 @@ mod tests {
             ),
             (Fault::DeviceLost, json!({})),
             (
-                Fault::RigNotLoaded(Box::default()).within("frames[3]"),
+                Fault::RigNotLoaded(Box::default()).within(("frames", 3)),
                 json!({"rig": "", "loaded": [], "path": "frames[3]"}),
             ),
             (
-                Fault::invalid_params("size", "expected two").within("frames[3]"),
+                Fault::invalid_params("size", "expected two").within(("frames", 3)),
                 json!({"path": "frames[3].size"}),
             ),
             (

@@ -1,121 +1,150 @@
 //! `frame.render`: what to draw, and the picture.
 //! Never lives here: cameras and lights, which have a file of their own, and the ranges that numbers must be in.
 
-use super::blob::{Blob, PictureTransport};
-use super::camera::{Camera, Lights};
-use super::pose::{Clamped, Pose};
+use super::blob::Blob;
+use super::pose::Clamped;
+use super::{blob, camera, frame, pose};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::Error;
+use serde::de::value::{self, MapDeserializer};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// A type with the fields of a frame request and some more: serde's `flatten` would let unknown fields through.
+/// The fields of a frame request, each in this one place: `field: type of the whole => type of a change`. `make` gets them behind what it
+/// is given, with the types as seen from where `blob`, `camera`, `frame` and `pose` are in scope.
+///
+/// A macro, since serde's `flatten` would let unknown fields through.
+macro_rules! frame_fields {
+    ($make:ident! { $($given:tt)* }) => {
+        $make! { { $($given)* }
+            /// Name or digest of a loaded rig.
+            rig: String => String,
+            /// A pose for this request alone. Without it, as if it were `{}`.
+            #[serde(default)]
+            pose: pose::Pose => Box<pose::Pose>,
+            #[serde(default)]
+            skinning: frame::Skinning => frame::Skinning,
+            #[serde(default)]
+            show: frame::Show => Box<frame::Show>,
+            #[serde(default)]
+            camera: camera::Camera => Box<camera::Camera>,
+            /// A list of at most 16, or `file`. Without it, a warm key light and a cool fill; an empty list leaves the ambient light alone.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            #[schemars(extend("default" = camera::default_lights()))]
+            lights: Option<camera::Lights> => camera::Lights,
+            /// Light from everywhere. Without it, just enough to see into the shadows.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            #[schemars(extend("default" = [0.055, 0.06, 0.08]))]
+            ambient: Option<[f64; 3]> => [f64; 3],
+            #[serde(default)]
+            material: frame::Material => Box<frame::Material>,
+            /// What stands behind the rig, with straight alpha. Without it, an opaque dark slate.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            #[schemars(extend("default" = [0.012, 0.016, 0.024, 1.0]))]
+            background: Option<[f64; 4]> => [f64; 4],
+            #[serde(default)]
+            cull: frame::Cull => frame::Cull,
+            /// Width and height in pixels.
+            #[serde(default = "frame::default_size")]
+            size: [u32; 2] => [u32; 2],
+            #[serde(default)]
+            samples: frame::Samples => frame::Samples,
+            /// Which pictures to send.
+            #[serde(default = "frame::color_alone")]
+            outputs: Vec<frame::Output> => Vec<frame::Output>,
+            #[serde(default)]
+            image: frame::ImageFormat => frame::ImageFormat,
+            /// How hard to compress a PNG.
+            #[serde(default)]
+            compression: frame::Compression => frame::Compression,
+            #[serde(default)]
+            transport: blob::PictureTransport => blob::PictureTransport,
+        }
+    };
+}
+
+/// A type with the fields of a frame request and some more.
 macro_rules! frame_request {
-    ($(#[$doc:meta])* $name:ident { $($(#[$field_doc:meta])* $field:ident: $type:ty,)* }) => {
+    (
+        { $(#[$doc:meta])* $name:ident { $($(#[$more_attribute:meta])* $more:ident: $more_type:ty,)* } }
+        $($(#[$attribute:meta])* $field:ident: $type:ty => $change:ty,)*
+    ) => {
         $(#[$doc])*
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields)]
         pub struct $name {
-            /// Name or digest of a loaded rig.
-            pub rig: String,
-            /// A pose for this request alone. Without it, as if it were `{}`.
-            #[serde(default)]
-            pub pose: Pose,
-            #[serde(default)]
-            pub skinning: Skinning,
-            #[serde(default)]
-            pub show: Show,
-            #[serde(default)]
-            pub camera: Camera,
-            /// A list of at most 16, or `file`. Without it, a warm key light and a cool fill; an empty list leaves the ambient light alone.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            #[schemars(extend("default" = crate::protocol::camera::default_lights()))]
-            pub lights: Option<Lights>,
-            /// Light from everywhere. Without it, just enough to see into the shadows.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            #[schemars(extend("default" = [0.055, 0.06, 0.08]))]
-            pub ambient: Option<[f64; 3]>,
-            #[serde(default)]
-            pub material: Material,
-            /// What stands behind the rig, with straight alpha. Without it, an opaque dark slate.
-            #[serde(default, skip_serializing_if = "Option::is_none")]
-            #[schemars(extend("default" = [0.012, 0.016, 0.024, 1.0]))]
-            pub background: Option<[f64; 4]>,
-            #[serde(default)]
-            pub cull: Cull,
-            /// Width and height in pixels.
-            #[serde(default = "crate::protocol::frame::default_size")]
-            pub size: [u32; 2],
-            #[serde(default)]
-            pub samples: Samples,
-            /// Which pictures to send.
-            #[serde(default = "crate::protocol::frame::color_alone")]
-            pub outputs: Vec<Output>,
-            #[serde(default)]
-            pub image: ImageFormat,
-            /// How hard to compress a PNG.
-            #[serde(default)]
-            pub compression: Compression,
-            #[serde(default)]
-            pub transport: PictureTransport,
-            $($(#[$field_doc])* pub $field: $type,)*
+            $($(#[$attribute])* pub $field: $type,)*
+            $($(#[$more_attribute])* pub $more: $more_type,)*
         }
 
         impl $name {
             /// The frame request in it.
-            pub fn frame(&self) -> FrameParams {
-                FrameParams {
-                    rig: self.rig.clone(),
-                    pose: self.pose.clone(),
-                    skinning: self.skinning,
-                    show: self.show,
-                    camera: self.camera.clone(),
-                    lights: self.lights.clone(),
-                    ambient: self.ambient,
-                    material: self.material.clone(),
-                    background: self.background,
-                    cull: self.cull,
-                    size: self.size,
-                    samples: self.samples,
-                    outputs: self.outputs.clone(),
-                    image: self.image,
-                    compression: self.compression,
-                    transport: self.transport,
-                }
+            pub fn frame(&self) -> frame::FrameParams {
+                frame::FrameParams { $($field: self.$field.clone(),)* }
             }
         }
     };
 }
 
-pub(super) use frame_request;
+/// A type with any of the fields of a frame request, to be laid over a whole one.
+macro_rules! frame_change {
+    (
+        { $(#[$doc:meta])* $name:ident over $common:ident }
+        $($(#[$attribute:meta])* $field:ident: $type:ty => $change:ty,)*
+    ) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields, default)]
+        pub struct $name {
+            $(#[serde(skip_serializing_if = "Option::is_none")] pub $field: Option<$change>,)*
+        }
 
-frame_request! {
+        impl $name {
+            /// The whole request: what is given here stands in place of the same field of the common part.
+            pub fn over(&self, common: &$common) -> frame::FrameParams {
+                frame::FrameParams { $($field: self.$field.over(&common.$field),)* }
+            }
+        }
+    };
+}
+
+pub(super) use {frame_change, frame_fields, frame_request};
+
+/// A field that may be given, to stand in place of one of a common part.
+pub(super) trait Over<T> {
+    fn over(&self, common: &T) -> T;
+}
+
+impl<T: Clone> Over<T> for Option<T> {
+    fn over(&self, common: &T) -> T {
+        self.as_ref().unwrap_or(common).clone()
+    }
+}
+
+impl<T: Clone> Over<T> for Option<Box<T>> {
+    fn over(&self, common: &T) -> T {
+        self.as_deref().unwrap_or(common).clone()
+    }
+}
+
+impl<T: Clone> Over<Self> for Option<T> {
+    fn over(&self, common: &Self) -> Self {
+        self.as_ref().or(common.as_ref()).cloned()
+    }
+}
+
+frame_fields! { frame_request! {
     /// Asks for a picture of a rig. Colors are linear RGB from 0 to 1.
     FrameParams {}
-}
+} }
 
 impl FrameParams {
     /// A picture of this rig with everything else left to its default.
     pub fn of(rig: impl Into<String>) -> Self {
-        Self {
-            rig: rig.into(),
-            pose: Pose::default(),
-            skinning: Skinning::default(),
-            show: Show::default(),
-            camera: Camera::default(),
-            lights: None,
-            ambient: None,
-            material: Material::default(),
-            background: None,
-            cull: Cull::default(),
-            size: default_size(),
-            samples: Samples::default(),
-            outputs: color_alone(),
-            image: ImageFormat::default(),
-            compression: Compression::default(),
-            transport: PictureTransport::default(),
-        }
+        let given = [("rig", rig.into())].into_iter();
+        let read = Self::deserialize(MapDeserializer::<_, value::Error>::new(given));
+        read.expect("every field but the rig has a default")
     }
 }
 

@@ -1,7 +1,6 @@
-//! The other half of the envelope: replies on their way out and, for a client, replies on their way in and requests on their way out.
+//! The client's half of the envelope: replies on their way in and requests on their way out.
 //! Never lives here: requests on their way in; they come from strangers and have a file of their own.
 
-use super::attach::Attachments;
 use super::error::ErrorObject;
 use super::id::Id;
 use serde::de::Error;
@@ -123,52 +122,6 @@ impl<P: Serialize + ?Sized> Outgoing<'_, P> {
     }
 }
 
-/// Writes the line of a result, with its end. The raw bytes of `attachments` are to follow it.
-///
-/// # Errors
-/// Where the result cannot be JSON: a map with keys that are no strings.
-pub fn result_line<R: Serialize + ?Sized>(
-    id: &Id,
-    result: &R,
-    attachments: &Attachments,
-) -> Result<Vec<u8>, serde_json::Error> {
-    line_of(&ResultLine {
-        jsonrpc: "2.0",
-        id,
-        result,
-        attach_bytes: (attachments.total() > 0).then(|| attachments.total()),
-    })
-}
-
-/// Writes the line of a notification, with its end. The raw bytes of `attachments` are to follow it.
-///
-/// # Errors
-/// As [`result_line`].
-pub fn notification_line<P: Serialize + ?Sized>(
-    method: &str,
-    params: &P,
-    attachments: &Attachments,
-) -> Result<Vec<u8>, serde_json::Error> {
-    let outgoing = Outgoing {
-        id: None,
-        method,
-        params,
-        deadline_ms: None,
-        attach_bytes: attachments.total(),
-    };
-    outgoing.line()
-}
-
-/// Writes the line of an error, with its end.
-pub fn error_line(id: &Id, error: &ErrorObject) -> Vec<u8> {
-    line_of(&ErrorLine {
-        jsonrpc: "2.0",
-        id,
-        error,
-    })
-    .expect("an error object has nothing that JSON cannot hold")
-}
-
 fn line_of(message: &impl Serialize) -> Result<Vec<u8>, serde_json::Error> {
     let mut line = serde_json::to_vec(message)?;
     line.push(b'\n');
@@ -188,62 +141,23 @@ struct RequestLine<'a, P: ?Sized> {
     attach_bytes: Option<u64>,
 }
 
-#[derive(Serialize)]
-struct ResultLine<'a, R: ?Sized> {
-    jsonrpc: &'static str,
-    id: &'a Id,
-    result: &'a R,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    attach_bytes: Option<u64>,
-}
-
-#[derive(Serialize)]
-struct ErrorLine<'a> {
-    jsonrpc: &'static str,
-    id: &'a Id,
-    error: &'a ErrorObject,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::protocol::{Fault, Kind, Request};
+    use crate::protocol::{ErrorKind, Fault, Request};
     use serde_json::json;
 
-    fn text(line: Vec<u8>) -> String {
-        String::from_utf8(line).unwrap()
-    }
-
     #[test]
-    fn lines_look_as_json_rpc_says() {
-        let mut attachments = Attachments::default();
-        let id = Id::Text("a\n".into());
-        let plain = result_line(&id, &json!({}), &attachments).unwrap();
-        assert_eq!(
-            text(plain),
-            "{\"jsonrpc\":\"2.0\",\"id\":\"a\\n\",\"result\":{}}\n"
-        );
-        attachments.push(vec![0; 3]);
-        let attached = result_line(&Id::Null, &json!({}), &attachments).unwrap();
-        assert_eq!(
-            text(attached),
-            "{\"jsonrpc\":\"2.0\",\"id\":null,\"result\":{},\"attach_bytes\":3}\n"
-        );
-        let error = error_line(&Id::from(1), &Fault::Cancelled.into());
-        assert_eq!(
-            text(error.clone()),
-            "{\"jsonrpc\":\"2.0\",\"id\":1,\"error\":{\"code\":-32010,\"message\":\"the request was cancelled\",\"data\":{\"kind\":\"cancelled\",\"retryable\":false}}}\n"
-        );
-        let Incoming::Reply(read) = Incoming::parse(&error).unwrap() else {
+    fn replies_are_told_from_what_goes_ahead_of_them() {
+        let error =
+            json!({"jsonrpc": "2.0", "id": 1, "error": ErrorObject::from(Fault::Cancelled)});
+        let Incoming::Reply(read) = Incoming::parse(error.to_string().as_bytes()).unwrap() else {
             panic!("it has an outcome");
         };
-        assert_eq!(read.outcome.unwrap_err().kind(), Some(Kind::Cancelled));
-        let ahead = notification_line("frame.ready", &json!({"index": 2}), &attachments).unwrap();
-        assert_eq!(
-            text(ahead.clone()),
-            "{\"jsonrpc\":\"2.0\",\"method\":\"frame.ready\",\"params\":{\"index\":2},\"attach_bytes\":3}\n"
-        );
-        let Incoming::Notification(read) = Incoming::parse(&ahead).unwrap() else {
+        assert_eq!(read.outcome.unwrap_err().kind(), Some(ErrorKind::Cancelled));
+        let ahead =
+            br#"{"jsonrpc":"2.0","method":"frame.ready","params":{"index":2},"attach_bytes":3}"#;
+        let Incoming::Notification(read) = Incoming::parse(ahead).unwrap() else {
             panic!("it has a method");
         };
         assert_eq!(

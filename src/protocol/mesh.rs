@@ -4,7 +4,7 @@
 use super::blob::{ArrayTransport, Blob};
 use super::frame::{Skinning, Timings};
 use super::pose::{Clamped, Pose};
-use super::rig::Bounds;
+use super::rig::{Bounds, MeshPart};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -110,14 +110,6 @@ pub struct TopologyParams {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Topology {
     pub meshes: Vec<MeshTopology>,
-}
-
-/// Triangles of a mesh that are made of one material.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub struct MeshPart {
-    pub triangle_count: u64,
-    /// Null where the file names none.
-    pub material: Option<String>,
 }
 
 /// How the vertices of one mesh hang together.

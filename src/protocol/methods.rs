@@ -1,14 +1,15 @@
-//! The table of methods: name, parameters, result, and the errors to expect beside the general ones.
+//! The table of methods: name, effect, parameters, result, and the errors to expect beside the general ones.
 //! Never lives here: what a method does.
 
-use super::error::{Fault, Kind};
-use super::parse::{nearest, shortened};
+use super::error::{ErrorKind, Fault};
+use super::field::shortened;
 use super::{Done, NoParams, batch, frame, mesh, pick, pose, rig, server};
+use crate::spelling::nearest;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use std::borrow::Cow;
 
 macro_rules! methods {
-    ($($(#[doc = $doc:literal])* $variant:ident $name:literal $params:ty => $result:ty, $errors:expr;)*) => {
+    ($($(#[doc = $doc:literal])* $variant:ident $name:literal $effect:ident $params:ty => $result:ty, $errors:expr;)*) => {
         /// Everything that a server can be asked for.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub enum Method { $($(#[doc = $doc])* $variant,)* }
@@ -26,8 +27,13 @@ macro_rules! methods {
                 match self { $(Self::$variant => concat!($($doc),*).trim_start(),)* }
             }
 
+            /// Whether it changes anything on the server, so that it is of use even where nobody hears the answer.
+            pub const fn mutates(self) -> bool {
+                match self { $(Self::$variant => matches!(Effect::$effect, Effect::Mutates),)* }
+            }
+
             /// What can go wrong beside [`Method::GENERAL_ERRORS`].
-            pub fn errors(self) -> &'static [Kind] {
+            pub fn errors(self) -> &'static [ErrorKind] {
                 match self { $(Self::$variant => &$errors,)* }
             }
 
@@ -48,77 +54,83 @@ macro_rules! methods {
     };
 }
 
+/// What a method does to the server.
+enum Effect {
+    Reads,
+    Mutates,
+}
+
 methods! {
     /// Gives this document.
-    RpcDiscover "rpc.discover" NoParams => Document, [];
+    RpcDiscover "rpc.discover" Reads NoParams => Document, [];
     /// Tells what answers, what draws, and which limits hold.
-    ServerInfo "server.info" NoParams => server::ServerInfo, [];
+    ServerInfo "server.info" Reads NoParams => server::ServerInfo, [];
     /// Does nothing: to see whether anybody answers.
-    ServerPing "server.ping" NoParams => Done, [];
+    ServerPing "server.ping" Reads NoParams => Done, [];
     /// Gives counters and gauges.
-    ServerStats "server.stats" NoParams => server::ServerStats, [];
+    ServerStats "server.stats" Reads NoParams => server::ServerStats, [];
     /// Loads a rig from its files. The same rig under the same name again changes nothing and costs nothing.
-    RigLoad "rig.load" rig::LoadParams => rig::RigSummary, [
-        Kind::RigFileInvalid, Kind::RigNameTaken, Kind::LimitExceeded, Kind::FileNotFound, Kind::PathNotAllowed,
+    RigLoad "rig.load" Mutates rig::LoadParams => rig::RigSummary, [
+        ErrorKind::RigFileInvalid, ErrorKind::RigNameTaken, ErrorKind::LimitExceeded, ErrorKind::FileNotFound, ErrorKind::PathNotAllowed,
     ];
     /// Forgets a rig and its stored pose. Requests in hand keep what they started with.
-    RigUnload "rig.unload" rig::RigParams => Done, [Kind::RigNotLoaded];
+    RigUnload "rig.unload" Mutates rig::RigParams => Done, [ErrorKind::RigNotLoaded];
     /// Lists the loaded rigs.
-    RigList "rig.list" NoParams => rig::RigList, [];
+    RigList "rig.list" Reads NoParams => rig::RigList, [];
     /// Tells everything about a rig but its vertices and triangles.
-    RigDescribe "rig.describe" rig::RigParams => rig::RigDescription, [Kind::RigNotLoaded];
+    RigDescribe "rig.describe" Reads rig::RigParams => rig::RigDescription, [ErrorKind::RigNotLoaded];
     /// Gives the stored pose of a rig.
-    PoseGet "pose.get" rig::RigParams => pose::StoredPose, [Kind::RigNotLoaded];
+    PoseGet "pose.get" Reads rig::RigParams => pose::StoredPose, [ErrorKind::RigNotLoaded];
     /// Changes the stored pose of a rig, for every request that comes after.
-    PoseSet "pose.set" pose::PoseSetParams => pose::PoseSetResult, [Kind::RigNotLoaded];
+    PoseSet "pose.set" Mutates pose::PoseSetParams => pose::PoseSetResult, [ErrorKind::RigNotLoaded];
     /// Sets every degree of freedom of the stored pose back to the file's own value.
-    PoseReset "pose.reset" rig::RigParams => Done, [Kind::RigNotLoaded];
+    PoseReset "pose.reset" Mutates rig::RigParams => Done, [ErrorKind::RigNotLoaded];
     /// Turns a joint further about an axis. Its children go with it.
-    PoseRotate "pose.rotate" pose::RotateParams => pose::PoseSetResult, [Kind::RigNotLoaded];
+    PoseRotate "pose.rotate" Mutates pose::RotateParams => pose::PoseSetResult, [ErrorKind::RigNotLoaded];
     /// Turns a joint further about its own bone.
-    PoseRoll "pose.roll" pose::RollParams => pose::PoseSetResult, [Kind::RigNotLoaded];
+    PoseRoll "pose.roll" Mutates pose::RollParams => pose::PoseSetResult, [ErrorKind::RigNotLoaded];
     /// Draws a rig.
-    FrameRender "frame.render" frame::FrameParams => frame::Frame, [
-        Kind::RigNotLoaded, Kind::LimitExceeded, Kind::DeviceLost,
+    FrameRender "frame.render" Reads frame::FrameParams => frame::Frame, [
+        ErrorKind::RigNotLoaded, ErrorKind::LimitExceeded, ErrorKind::DeviceLost,
     ];
     /// Draws many pictures. Where streamed, each goes ahead of the result as a notification `frame.ready`.
-    FrameBatch "frame.batch" batch::FrameBatchParams => batch::FrameBatch, [
-        Kind::RigNotLoaded, Kind::LimitExceeded, Kind::DeviceLost,
+    FrameBatch "frame.batch" Reads batch::FrameBatchParams => batch::FrameBatch, [
+        ErrorKind::RigNotLoaded, ErrorKind::LimitExceeded, ErrorKind::DeviceLost,
     ];
     /// Gives skinned vertices, in the order of the file.
-    MeshVertices "mesh.vertices" mesh::VerticesParams => mesh::Vertices, [
-        Kind::RigNotLoaded, Kind::LimitExceeded, Kind::DeviceLost,
+    MeshVertices "mesh.vertices" Reads mesh::VerticesParams => mesh::Vertices, [
+        ErrorKind::RigNotLoaded, ErrorKind::LimitExceeded, ErrorKind::DeviceLost,
     ];
     /// Gives the vertices or joints of a rig in many poses. Where streamed, each goes ahead of the result as a notification `mesh.ready`.
-    MeshBatch "mesh.batch" batch::MeshBatchParams => batch::MeshBatch, [
-        Kind::RigNotLoaded, Kind::LimitExceeded, Kind::DeviceLost,
+    MeshBatch "mesh.batch" Reads batch::MeshBatchParams => batch::MeshBatch, [
+        ErrorKind::RigNotLoaded, ErrorKind::LimitExceeded, ErrorKind::DeviceLost,
     ];
     /// Gives triangles and texture coordinates, which stay the same in every pose.
-    MeshTopology "mesh.topology" mesh::TopologyParams => mesh::Topology, [
-        Kind::RigNotLoaded, Kind::LimitExceeded,
+    MeshTopology "mesh.topology" Reads mesh::TopologyParams => mesh::Topology, [
+        ErrorKind::RigNotLoaded, ErrorKind::LimitExceeded,
     ];
     /// Tells what a picture would show at one of its pixels.
-    ScenePick "scene.pick" pick::PickParams => pick::Picked, [
-        Kind::RigNotLoaded, Kind::LimitExceeded, Kind::DeviceLost,
+    ScenePick "scene.pick" Reads pick::PickParams => pick::Picked, [
+        ErrorKind::RigNotLoaded, ErrorKind::LimitExceeded, ErrorKind::DeviceLost,
     ];
     /// Tells where the joints are in world space.
-    JointTransforms "joint.transforms" pose::TransformsParams => pose::Transforms, [Kind::RigNotLoaded];
+    JointTransforms "joint.transforms" Reads pose::TransformsParams => pose::Transforms, [ErrorKind::RigNotLoaded];
     /// Ends an earlier request of the same connection, which is then answered with `cancelled`. A notification: it has no `id` and gets no answer.
-    RequestCancel "request.cancel" server::Cancel => Done, [];
+    RequestCancel "request.cancel" Mutates server::Cancel => Done, [];
 }
 
 impl Method {
     /// What can go wrong with every request.
-    pub const GENERAL_ERRORS: &[Kind] = &[
-        Kind::ParseError,
-        Kind::InvalidRequest,
-        Kind::InvalidParams,
-        Kind::Internal,
-        Kind::Unauthorized,
-        Kind::Busy,
-        Kind::DeadlineExceeded,
-        Kind::ShuttingDown,
-        Kind::Cancelled,
+    pub const GENERAL_ERRORS: &[ErrorKind] = &[
+        ErrorKind::ParseError,
+        ErrorKind::InvalidRequest,
+        ErrorKind::InvalidParams,
+        ErrorKind::Internal,
+        ErrorKind::Unauthorized,
+        ErrorKind::Busy,
+        ErrorKind::DeadlineExceeded,
+        ErrorKind::ShuttingDown,
+        ErrorKind::Cancelled,
     ];
 
     /// # Errors
@@ -128,7 +140,7 @@ impl Method {
         known()
             .find(|method| method.name() == name)
             .ok_or_else(|| Fault::MethodNotFound {
-                method: shortened(name),
+                method: shortened(name).into_owned(),
                 nearest: nearest(name, known().map(Self::name)).map(str::to_owned),
             })
     }
@@ -163,6 +175,22 @@ impl JsonSchema for Document {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_loads_poses_or_cancels_mutates_and_nothing_else_does() {
+        let mutating = Method::ALL.iter().filter(|method| method.mutates());
+        let names: Vec<_> = mutating.map(|method| method.name()).collect();
+        let wanted = [
+            "rig.load",
+            "rig.unload",
+            "pose.set",
+            "pose.reset",
+            "pose.rotate",
+            "pose.roll",
+            "request.cancel",
+        ];
+        assert_eq!(names, wanted);
+    }
 
     #[test]
     fn methods_are_found_by_name_and_near_ones_are_offered() {

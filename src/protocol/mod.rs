@@ -5,7 +5,7 @@
 //! - [`params`](fn@params): the parameters of a request as a type, every fault with the path of the field.
 //! - [`rig`], [`pose`], [`frame`], [`mesh`], [`batch`], [`server`]: parameters and results by family of methods.
 //! - [`Blob`] and [`Attachments`]: pictures and arrays, in either direction.
-//! - [`Fault`] and [`ErrorObject`]: what can go wrong.
+//! - [`Fault`] and [`ErrorObject`]: what can go wrong; [`FieldPath`]: in which field.
 //! - [`Method`]: every method; [`openrpc`](fn@openrpc) describes them all.
 
 pub mod attach;
@@ -15,6 +15,7 @@ mod blob_wire;
 pub mod camera;
 pub mod envelope;
 pub mod error;
+mod field;
 pub mod frame;
 pub mod id;
 pub mod lines;
@@ -31,14 +32,13 @@ mod strict;
 pub use attach::{Attach, Attachments};
 pub use blob::{Blob, BlobError};
 pub use envelope::{BadRequest, Request};
-pub use error::{ErrorObject, Fault, InvalidRigFile, Kind, MissingRig};
+pub use error::{ErrorKind, ErrorObject, Fault, InvalidRigFile, MissingRig};
+pub use field::{FieldFault, FieldPath, Segment, shortened};
 pub use id::Id;
-pub use lines::{
-    Incoming, Notification, Outgoing, Reply, error_line, notification_line, result_line,
-};
+pub use lines::{Incoming, Notification, Outgoing, Reply};
 pub use methods::Method;
 pub use openrpc::openrpc;
-pub use parse::{nearest, params, shortened};
+pub use parse::params;
 
 /// The version of the contract, as `server.info` states it. It changes when something is renamed or removed, not when something is added.
 pub const PROTOCOL_VERSION: u32 = 1;

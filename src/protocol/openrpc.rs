@@ -2,7 +2,7 @@
 //! Never lives here: a word about any one method.
 
 use super::PROTOCOL_VERSION;
-use super::error::{ErrorObject, Kind};
+use super::error::{ErrorKind, ErrorObject};
 use super::methods::Method;
 use schemars::Schema;
 use schemars::generate::{SchemaGenerator, SchemaSettings};
@@ -49,7 +49,7 @@ pub fn openrpc() -> Value {
         "methods": methods,
         "components": {
             "schemas": schemas,
-            "errors": Kind::ALL.iter().map(|kind| (kind.name().to_owned(), error_of(*kind))).collect::<Map<_, _>>(),
+            "errors": ErrorKind::ALL.iter().map(|kind| (kind.name().to_owned(), error_of(*kind))).collect::<Map<_, _>>(),
         },
         "x-transport": transport(&json!(error)),
     })
@@ -106,7 +106,7 @@ fn describe(method: Method, params: &Value, result: &Value) -> Value {
     described
 }
 
-fn error_of(kind: Kind) -> Value {
+fn error_of(kind: ErrorKind) -> Value {
     json!({
         "code": kind.code(),
         "message": kind.summary(),

@@ -1,16 +1,12 @@
 //! `scene.pick`: what is seen at a pixel. Never lives here: how it is found.
 
-use super::blob::PictureTransport;
-use super::camera::{Camera, Lights};
-use super::frame::{
-    Compression, Cull, FrameParams, ImageFormat, Material, Output, Samples, Show, Skinning,
-    Timings, frame_request,
-};
-use super::pose::{Clamped, Pose};
+use super::frame::{Timings, frame_fields, frame_request};
+use super::pose::Clamped;
+use super::{blob, camera, frame, pose};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-frame_request! {
+frame_fields! { frame_request! {
     /// Asks what a picture would show at one of its pixels: a frame request, and the pixel.
     PickParams {
         /// From the top left corner of the picture; the middle of the first pixel is at `[0.5, 0.5]`.
@@ -22,7 +18,7 @@ frame_request! {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         bone_radius: Option<f64>,
     }
-}
+} }
 
 fn all_targets() -> Vec<PickTarget> {
     vec![PickTarget::Bone, PickTarget::Skin]

@@ -2,8 +2,8 @@
 //! Never lives here: what a rig makes of the numbers.
 
 use super::attach::Attach;
-use super::strict::object;
 use schemars::JsonSchema;
+use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
@@ -125,7 +125,8 @@ impl<'de> Visitor<'de> for DofValuesVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, members: A) -> Result<DofValues, A::Error> {
-        let DofValuesFields { attach } = object(members)?;
+        let members = MapAccessDeserializer::new(members);
+        let DofValuesFields { attach } = DofValuesFields::deserialize(members)?;
         Ok(DofValues::Attached { attach })
     }
 }

@@ -2,10 +2,9 @@
 //! Never lives here: the formats of those files.
 
 use super::attach::{Attach, Base64};
-use super::mesh::MeshPart;
-use super::parse::field_error;
-use super::strict::object;
+use super::strict::field_error;
 use schemars::JsonSchema;
+use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
@@ -80,7 +79,7 @@ impl<'de> Visitor<'de> for FileVisitor {
             text,
             base64,
             attach,
-        } = object(members)?;
+        } = FileFields::deserialize(MapAccessDeserializer::new(members))?;
         match (text, base64, attach) {
             (Some(text), None, None) => Ok(RigFile::Text { name, text }),
             (None, Some(base64), None) => Ok(RigFile::Base64 { name, base64 }),
@@ -234,6 +233,14 @@ pub struct MeshDescription {
     pub parts: Vec<MeshPart>,
     /// Whether `mesh.topology` has `texcoords` or `corner_texcoords` for it.
     pub has_texcoords: bool,
+}
+
+/// Triangles of a mesh that are made of one material.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct MeshPart {
+    pub triangle_count: u64,
+    /// Null where the file names none.
+    pub material: Option<String>,
 }
 
 /// A named surface.

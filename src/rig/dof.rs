@@ -39,6 +39,9 @@ pub struct Dof {
     pub rest: f64,
 }
 
+/// What the names of the DOFs of morph targets start with.
+pub const MORPH_PREFIX: &str = "morph.";
+
 /// Every DOF of a rig: joints in file order, each `tx ty tz rx ry rz sx sy sz` as far as it has them, then morph targets in load order.
 #[derive(Debug)]
 pub struct Dofs {
@@ -80,7 +83,7 @@ impl Dofs {
         for (index, morph) in morphs.iter().enumerate() {
             let kind = DofKind::Morph { morph: index };
             dofs.push(
-                format!("morph.{}", morph.name),
+                format!("{MORPH_PREFIX}{}", morph.name),
                 kind,
                 Limit::NONE,
                 morph.rest,

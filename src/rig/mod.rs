@@ -16,7 +16,7 @@ mod texture;
 mod warnings;
 
 pub use clip::{Channel, Clip, Curve, Extrapolation, Interpolation, Key, slerp};
-pub use dof::{Dof, DofKind, Dofs};
+pub use dof::{Dof, DofKind, Dofs, MORPH_PREFIX};
 pub use draft::{
     BindPose, BindingDraft, ChannelDraft, ChannelTarget, ClipDraft, Draft, JointDraft, MeshDraft,
     MorphDraft, MorphForm, PartDraft, PartInVariant, RigError, RigProblem,

@@ -1,6 +1,6 @@
 //! An axis-aligned box.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// Smallest and largest corner, in world space; `min <= max` on every axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,6 +25,25 @@ impl Bounds {
                 max: point,
             })
             .reduce(|a, b| a.and(&b))
+    }
+
+    /// Of vertices, three numbers each. `None` where there are none.
+    pub fn of_positions(positions: &[f32]) -> Option<Self> {
+        // Four at a time, which the compiler makes vectors of.
+        let (fours, rest) = positions.as_chunks::<12>();
+        let (mut least, mut most) = ([f32::INFINITY; 12], [f32::NEG_INFINITY; 12]);
+        for four in fours {
+            for lane in 0..12 {
+                least[lane] = least[lane].min(four[lane]);
+                most[lane] = most[lane].max(four[lane]);
+            }
+        }
+        let min = points(&least).chain(points(rest)).reduce(Vec3::min)?;
+        let max = points(&most).chain(points(rest)).reduce(Vec3::max)?;
+        (min.x <= max.x).then(|| Self {
+            min: min.as_dvec3(),
+            max: max.as_dvec3(),
+        })
     }
 
     /// Of what either has.
@@ -64,5 +83,26 @@ impl Bounds {
             0.0 => 1.0,
             radius => radius,
         }
+    }
+}
+
+fn points(numbers: &[f32]) -> impl Iterator<Item = Vec3> {
+    let points = numbers.as_chunks().0.iter();
+    points.map(|point| Vec3::from_array(*point))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn those_of_vertices_are_those_of_their_points() {
+        for count in [1, 3, 4, 5, 9, 40] {
+            let number = |index: usize| ((index * 7919) % 1013) as f32 - 500.0;
+            let positions: Vec<f32> = (0..3 * count).map(number).collect();
+            let wanted = Bounds::of(points(&positions).map(Vec3::as_dvec3));
+            assert_eq!(Bounds::of_positions(&positions), wanted, "{count}");
+        }
+        assert_eq!(Bounds::of_positions(&[]), None);
     }
 }

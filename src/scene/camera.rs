@@ -1,6 +1,6 @@
 //! Cameras of three kinds, brought to one form. All are right-handed; the camera looks down its own −Z with +Y up on screen.
 
-use super::{Bounds, Ray, SceneError, Size};
+use super::{Bounds, InvalidValue, Ray, Size};
 use glam::{DAffine3, DMat3, DMat4, DVec2, DVec3, DVec4};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::RangeInclusive;
@@ -63,6 +63,51 @@ pub struct Pinhole {
     pub near: Near,
 }
 
+/// What of a camera a value is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CameraField {
+    /// Where the camera stands, whatever it was given by.
+    Position,
+    Distance,
+    Eye,
+    Up,
+    FovY,
+    Height,
+    Near,
+    Fx,
+    Fy,
+    Cx,
+    Cy,
+    WorldFromCamera,
+}
+
+/// A camera that cannot be drawn with.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{problem}")]
+pub struct CameraError {
+    pub field: CameraField,
+    pub problem: InvalidValue,
+}
+
+impl CameraError {
+    fn new(field: CameraField, expected: &'static str, found: impl std::fmt::Debug) -> Self {
+        let problem = InvalidValue::new(expected, found);
+        Self { field, problem }
+    }
+
+    fn unless(
+        holds: bool,
+        field: CameraField,
+        expected: &'static str,
+        found: impl std::fmt::Debug,
+    ) -> Result<(), Self> {
+        if holds {
+            return Ok(());
+        }
+        Err(Self::new(field, expected, found))
+    }
+}
+
 impl Orbit {
     /// Where none is given.
     pub const AZIMUTH: f64 = PI / 6.0;
@@ -89,14 +134,14 @@ impl Camera {
     /// Eye = target + distance · (sin azimuth · cos inclination, sin inclination, cos azimuth · cos inclination).
     ///
     /// # Errors
-    /// [`SceneError`] names the field.
-    pub fn orbit(orbit: Orbit, framed: &Bounds, size: Size) -> Result<Self, SceneError> {
+    /// [`CameraError`].
+    pub fn orbit(orbit: Orbit, framed: &Bounds, size: Size) -> Result<Self, CameraError> {
         let fov_y = checked_fov(orbit.fov_y)?;
         let target = orbit.target.unwrap_or_else(|| framed.center());
         let distance = orbit
             .distance
             .unwrap_or_else(|| Self::distance_to_fit(framed, Some(fov_y), size));
-        positive(distance, "camera.distance")?;
+        positive(distance, CameraField::Distance)?;
         let (azimuth, inclination) = (
             orbit.azimuth.unwrap_or(Orbit::AZIMUTH),
             orbit.inclination.unwrap_or(Orbit::INCLINATION),
@@ -118,38 +163,34 @@ impl Camera {
     }
 
     /// # Errors
-    /// [`SceneError`] names the field.
-    pub fn look_at(look: LookAt, framed: &Bounds, size: Size) -> Result<Self, SceneError> {
+    /// [`CameraError`].
+    pub fn look_at(look: LookAt, framed: &Bounds, size: Size) -> Result<Self, CameraError> {
         let LookAt {
             eye, target, up, ..
         } = look;
-        let found = || format!("{:?}", eye.to_array());
-        let (field, expected) = ("camera.eye", "a point other than the target");
         let distance = eye.distance(target);
-        let back = (eye - target).try_normalize().ok_or_else(|| SceneError {
-            field,
-            expected,
-            found: found(),
+        let back = (eye - target).try_normalize().ok_or_else(|| {
+            let expected = "a point other than the target";
+            CameraError::new(CameraField::Eye, expected, eye.to_array())
         })?;
-        let (field, expected) = ("camera.up", "a direction off the line of sight");
         let right = up
             .try_normalize()
             .map(|up| up.cross(back))
             // A smaller sine than this is rounding.
             .filter(|right| right.length() > 1e-9)
             .and_then(DVec3::try_normalize)
-            .ok_or_else(|| SceneError {
-                field,
-                expected,
-                found: format!("{:?}", up.to_array()),
+            .ok_or_else(|| {
+                let expected = "a direction off the line of sight";
+                CameraError::new(CameraField::Up, expected, up.to_array())
             })?;
         let turned = DMat3::from_cols(right, back.cross(right), back);
         let world_from_camera = DAffine3::from_mat3_translation(turned, eye);
         let projection = match look.height {
             Some(height) => {
                 let expected = "either fov_y or height";
-                SceneError::unless(look.fov_y.is_none(), "camera.height", expected, "both")?;
-                positive(height, "camera.height")?;
+                let is_alone = look.fov_y.is_none();
+                CameraError::unless(is_alone, CameraField::Height, expected, "both")?;
+                positive(height, CameraField::Height)?;
                 // Orthographic depth is linear: a far plane much further away would leave float32 no steps to tell surfaces apart.
                 let reach = 2.0 * distance + 100.0 * framed.radius().max(height);
                 Projection::Orthographic {
@@ -163,8 +204,8 @@ impl Camera {
     }
 
     /// # Errors
-    /// [`SceneError`] names the field.
-    pub fn pinhole(pinhole: Pinhole, framed: &Bounds, size: Size) -> Result<Self, SceneError> {
+    /// [`CameraError`].
+    pub fn pinhole(pinhole: Pinhole, framed: &Bounds, size: Size) -> Result<Self, CameraError> {
         let Pinhole {
             fx,
             fy,
@@ -173,18 +214,20 @@ impl Camera {
             world_from_camera: matrix,
             near,
         } = pinhole;
-        positive(fx, "camera.fx")?;
-        positive(fy, "camera.fy")?;
-        SceneError::unless(cx.abs() <= MOST, "camera.cx", "a number within ±1e12", cx)?;
-        SceneError::unless(cy.abs() <= MOST, "camera.cy", "a number within ±1e12", cy)?;
+        positive(fx, CameraField::Fx)?;
+        positive(fy, CameraField::Fy)?;
+        for (field, number) in [(CameraField::Cx, cx), (CameraField::Cy, cy)] {
+            let expected = "a number within ±1e12";
+            CameraError::unless(number.abs() <= MOST, field, expected, number)?;
+        }
         let turned = DMat3::from_mat4(matrix);
-        let field = "camera.world_from_camera";
+        let field = CameraField::WorldFromCamera;
         // Files print rotations with four decimals or so; a camera that scales or mirrors is a mistake.
         let is_rotation = (turned.transpose() * turned).abs_diff_eq(DMat3::IDENTITY, 1e-3)
             && turned.determinant() > 0.0
             && matrix.row(3) == DVec4::W;
         let expected = "16 numbers by column: a rotation, a translation, and a last row of 0 0 0 1";
-        SceneError::unless(is_rotation, field, expected, matrix.to_cols_array())?;
+        CameraError::unless(is_rotation, field, expected, matrix.to_cols_array())?;
         let world_from_camera = DAffine3::from_mat4(matrix);
         let eye = world_from_camera.translation;
         let distance = eye.distance(framed.center()).max(framed.radius());
@@ -198,20 +241,17 @@ impl Camera {
         near: Near,
         distance: f64,
         size: Size,
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Self, CameraError> {
         let near = near.0.unwrap_or(distance * NEAR);
-        positive(near, "camera.near")?;
+        positive(near, CameraField::Near)?;
         if let Projection::Orthographic { far, .. } = projection {
-            SceneError::unless(
-                near < far,
-                "camera.near",
-                "a plane before the far plane",
-                near,
-            )?;
+            let expected = "a plane before the far plane";
+            CameraError::unless(near < far, CameraField::Near, expected, near)?;
         }
         let eye = world_from_camera.translation.to_array();
         let inside = eye.iter().all(|number| number.abs() <= MOST);
-        SceneError::unless(inside, "camera", "an eye within ±1e12", eye)?;
+        let expected = "an eye within ±1e12";
+        CameraError::unless(inside, CameraField::Position, expected, eye)?;
         Ok(Self {
             size,
             world_from_camera,
@@ -263,10 +303,9 @@ impl Camera {
     ///
     /// # Errors
     /// Where `pixel` is no point that numbers reach.
-    pub fn ray(&self, pixel: DVec2) -> Result<Ray, SceneError> {
+    pub fn ray(&self, pixel: DVec2) -> Result<Ray, InvalidValue> {
         let inside = pixel.to_array().iter().all(|number| number.abs() <= MOST);
-        let expected = "two numbers within ±1e12";
-        SceneError::unless(inside, "pixel", expected, pixel.to_array())?;
+        InvalidValue::unless(inside, "two numbers within ±1e12", pixel.to_array())?;
         let [fx, fy, cx, cy] = self.intrinsics();
         let (x, y) = ((pixel.x - cx) / fx, (cy - pixel.y) / fy);
         let (start, ahead, far) = match self.projection {
@@ -305,19 +344,18 @@ impl Camera {
     }
 }
 
-fn positive(number: f64, field: &'static str) -> Result<(), SceneError> {
+fn positive(number: f64, field: CameraField) -> Result<(), CameraError> {
     let inside = CAMERA_DISTANCES.contains(&number);
-    SceneError::unless(inside, field, "a number from 1e-12 to 1e12", number)
+    CameraError::unless(inside, field, "a number from 1e-12 to 1e12", number)
 }
 
-fn checked_fov(fov_y: Option<f64>) -> Result<f64, SceneError> {
+fn checked_fov(fov_y: Option<f64>) -> Result<f64, CameraError> {
     let fov_y = fov_y.unwrap_or(FOV_Y);
-    SceneError::unless(
+    let (inside, expected) = (
         FOV_Y_RADIANS.contains(&fov_y),
-        "camera.fov_y",
         "radians from 0.0001 to 3.1414",
-        fov_y,
-    )?;
+    );
+    CameraError::unless(inside, CameraField::FovY, expected, fov_y)?;
     Ok(fov_y)
 }
 
@@ -433,7 +471,7 @@ mod tests {
             ..pinhole
         };
         let refused = Camera::pinhole(scaled, &FRAMED, SIZE).unwrap_err();
-        assert_eq!(refused.field, "camera.world_from_camera");
+        assert_eq!(refused.field, CameraField::WorldFromCamera);
     }
 
     #[test]
@@ -443,10 +481,10 @@ mod tests {
         let both = look(DVec3::Z, Some(1.0), Some(1.0));
         let flat = look(DVec3::Z, Some(0.0), None);
         for (given, field) in [
-            (same_point, "camera.eye"),
-            (along_up, "camera.up"),
-            (both, "camera.height"),
-            (flat, "camera.fov_y"),
+            (same_point, CameraField::Eye),
+            (along_up, CameraField::Up),
+            (both, CameraField::Height),
+            (flat, CameraField::FovY),
         ] {
             assert_eq!(
                 Camera::look_at(given, &FRAMED, SIZE).unwrap_err().field,

@@ -1,6 +1,6 @@
 //! Where light comes from.
 
-use super::{Color, SceneError};
+use super::{Color, InvalidValue};
 use glam::{DVec3, Vec3};
 
 /// How a point light weakens with distance.
@@ -10,6 +10,28 @@ pub enum Falloff {
     None,
     /// Divided by max(d², 1e-4·size²), `size` being the rig's at rest.
     InverseSquare,
+}
+
+/// What of a light a value is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LightField {
+    Direction,
+    Position,
+    Intensity,
+}
+
+/// A light that cannot be drawn with.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{problem}")]
+pub struct LightError {
+    pub field: LightField,
+    pub problem: InvalidValue,
+}
+
+impl LightError {
+    fn of(field: LightField) -> impl FnOnce(InvalidValue) -> Self {
+        move |problem| Self { field, problem }
+    }
 }
 
 /// A light in world space. Its `radiance` is color times intensity, linear.
@@ -58,15 +80,12 @@ impl Cone {
 impl Light {
     /// # Errors
     /// Where the direction is zero or a number cannot be drawn with.
-    pub fn directional(direction: DVec3, color: Color, intensity: f64) -> Result<Self, SceneError> {
-        let Some(unit) = direction.try_normalize() else {
-            let (field, expected) = ("lights.direction", "a direction other than zero");
-            return Err(SceneError {
-                field,
-                expected,
-                found: format!("{:?}", direction.to_array()),
-            });
-        };
+    pub fn directional(direction: DVec3, color: Color, intensity: f64) -> Result<Self, LightError> {
+        let expected = "a direction other than zero";
+        let unit = direction
+            .try_normalize()
+            .ok_or_else(|| InvalidValue::new(expected, direction.to_array()))
+            .map_err(LightError::of(LightField::Direction))?;
         Ok(Self::Directional {
             direction: unit.as_vec3(),
             radiance: radiance(color, intensity)?,
@@ -80,10 +99,11 @@ impl Light {
         color: Color,
         intensity: f64,
         falloff: Falloff,
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Self, LightError> {
         let found = position.to_array();
         let inside = found.iter().all(|number| number.abs() <= MOST);
-        SceneError::unless(inside, "lights.position", "numbers within ±1e12", found)?;
+        InvalidValue::unless(inside, "numbers within ±1e12", found)
+            .map_err(LightError::of(LightField::Position))?;
         Ok(Self::Point {
             position: position.as_vec3(),
             radiance: radiance(color, intensity)?,
@@ -110,13 +130,9 @@ impl Light {
 /// Largest position or intensity of a light: its square still fits float32.
 const MOST: f64 = 1e12;
 
-fn radiance(color: Color, intensity: f64) -> Result<Vec3, SceneError> {
+fn radiance(color: Color, intensity: f64) -> Result<Vec3, LightError> {
     let inside = (0.0..=MOST).contains(&intensity);
-    SceneError::unless(
-        inside,
-        "lights.intensity",
-        "a number from 0 to 1e12",
-        intensity,
-    )?;
+    InvalidValue::unless(inside, "a number from 0 to 1e12", intensity)
+        .map_err(LightError::of(LightField::Intensity))?;
     Ok(color.rgb() * intensity as f32)
 }

@@ -8,40 +8,38 @@ mod query;
 
 pub use bounds::Bounds;
 pub use camera::{
-    CAMERA_DISTANCES, Camera, FOV_Y_RADIANS, LookAt, Near, Orbit, Pinhole, Projection,
+    CAMERA_DISTANCES, Camera, CameraError, CameraField, FOV_Y_RADIANS, LookAt, Near, Orbit,
+    Pinhole, Projection,
 };
-pub use light::{Cone, Falloff, Light};
+pub use light::{Cone, Falloff, Light, LightError, LightField};
 pub use query::{BoneRadius, Ray, Shape, VertexQuery};
 
 use crate::limits::{LimitExceeded, Limits};
 use glam::{Vec3, Vec4};
 
-/// A value of a scene that cannot be drawn with.
+/// A value that cannot be drawn with. Which one it is, whoever gave it knows.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{expected}, but found {found}")]
-pub struct SceneError {
-    /// The field as the wire spells it, e.g. `camera.up`.
-    pub field: &'static str,
+#[error("expected {expected}, but found {found}")]
+pub struct InvalidValue {
     pub expected: &'static str,
     pub found: String,
 }
 
-impl SceneError {
+impl InvalidValue {
+    fn new(expected: &'static str, found: impl std::fmt::Debug) -> Self {
+        let found = format!("{found:?}");
+        Self { expected, found }
+    }
+
     fn unless(
         holds: bool,
-        field: &'static str,
         expected: &'static str,
         found: impl std::fmt::Debug,
     ) -> Result<(), Self> {
         if holds {
             return Ok(());
         }
-        let found = format!("{found:?}");
-        Err(Self {
-            field,
-            expected,
-            found,
-        })
+        Err(Self::new(expected, found))
     }
 }
 
@@ -56,7 +54,7 @@ pub struct Size {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SizeError {
     #[error(transparent)]
-    Scene(#[from] SceneError),
+    Value(#[from] InvalidValue),
     #[error(transparent)]
     Limit(#[from] LimitExceeded),
 }
@@ -66,12 +64,7 @@ impl Size {
     /// Where a side is 0, or sides or area exceed their ceilings.
     pub fn new(width: u32, height: u32, limits: &Limits) -> Result<Self, SizeError> {
         let found = [width, height];
-        SceneError::unless(
-            width > 0 && height > 0,
-            "size",
-            "two positive numbers",
-            found,
-        )?;
+        InvalidValue::unless(width > 0 && height > 0, "two positive numbers", found)?;
         limits.side(width.max(height))?;
         limits.pixels(u64::from(width) * u64::from(height))?;
         Ok(Self { width, height })
@@ -91,9 +84,9 @@ impl Color {
 
     /// # Errors
     /// Where a channel is outside 0..1.
-    pub fn new(channels: [f64; 3], field: &'static str) -> Result<Self, SceneError> {
+    pub fn new(channels: [f64; 3]) -> Result<Self, InvalidValue> {
         let inside = channels.iter().all(|channel| (0.0..=1.0).contains(channel));
-        SceneError::unless(inside, field, "numbers from 0 to 1", channels)?;
+        InvalidValue::unless(inside, "numbers from 0 to 1", channels)?;
         Ok(Self(Vec3::from_array(
             channels.map(|channel| channel as f32),
         )))
@@ -118,11 +111,11 @@ pub struct Background {
 impl Background {
     /// # Errors
     /// Where a channel is outside 0..1.
-    pub fn new([r, g, b, alpha]: [f64; 4]) -> Result<Self, SceneError> {
+    pub fn new([r, g, b, alpha]: [f64; 4]) -> Result<Self, InvalidValue> {
         let inside = (0.0..=1.0).contains(&alpha);
-        SceneError::unless(inside, "background", "an alpha from 0 to 1", alpha)?;
+        InvalidValue::unless(inside, "an alpha from 0 to 1", alpha)?;
         Ok(Self {
-            color: Color::new([r, g, b], "background")?,
+            color: Color::new([r, g, b])?,
             alpha: alpha as f32,
         })
     }
@@ -167,15 +160,11 @@ impl Surface {
         diffuse: Option<Color>,
         specular: Option<Color>,
         shininess: Option<f64>,
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Self, InvalidValue> {
         // Past this an exponent's highlight is smaller than a pixel and pow underflows everywhere else.
         let inside = shininess.is_none_or(|shininess| (0.0..=10_000.0).contains(&shininess));
-        SceneError::unless(
-            inside,
-            "material.shininess",
-            "a number from 0 to 10000",
-            shininess.unwrap_or_default(),
-        )?;
+        let found = shininess.unwrap_or_default();
+        InvalidValue::unless(inside, "a number from 0 to 10000", found)?;
         Ok(Self {
             diffuse,
             specular,
@@ -246,10 +235,9 @@ impl Show {
         skeleton: ShowSkeleton,
         normals: ShowNormals,
         skin_opacity: f64,
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Self, InvalidValue> {
         let inside = (0.0..=1.0).contains(&skin_opacity);
-        let expected = "a number from 0 to 1";
-        SceneError::unless(inside, "show.skin_opacity", expected, skin_opacity)?;
+        InvalidValue::unless(inside, "a number from 0 to 1", skin_opacity)?;
         Ok(Self {
             skin,
             skeleton,

@@ -1,6 +1,6 @@
 //! What to ask of a rig besides a picture: some of its vertices, or what stands along a ray. Never lives here: the answers.
 
-use super::SceneError;
+use super::InvalidValue;
 use glam::DVec3;
 
 /// Which form of a rig's skin.
@@ -54,11 +54,10 @@ pub struct BoneRadius(f64);
 impl BoneRadius {
     /// # Errors
     /// Where the radius is not a positive number of sane size.
-    pub fn new(radius: f64) -> Result<Self, SceneError> {
+    pub fn new(radius: f64) -> Result<Self, InvalidValue> {
         // The range of a camera's lengths: its square neither overflows nor vanishes.
         let inside = (1e-12..=1e12).contains(&radius);
-        let expected = "a number from 1e-12 to 1e12";
-        SceneError::unless(inside, "bone_radius", expected, radius)?;
+        InvalidValue::unless(inside, "a number from 1e-12 to 1e12", radius)?;
         Ok(Self(radius))
     }
 
@@ -187,11 +186,11 @@ mod tests {
     fn a_pixel_or_radius_beyond_numbers_is_refused() {
         for x in [f64::NAN, f64::INFINITY, 1e300] {
             for pixel in [DVec2::new(x, 0.0), DVec2::new(0.0, x)] {
-                assert_eq!(pinhole().ray(pixel).unwrap_err().field, "pixel");
+                assert!(pinhole().ray(pixel).is_err(), "{pixel}");
             }
         }
         for radius in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300] {
-            assert_eq!(BoneRadius::new(radius).unwrap_err().field, "bone_radius");
+            assert!(BoneRadius::new(radius).is_err(), "{radius}");
         }
         assert_eq!(BoneRadius::new(0.25).unwrap().length(), 0.25);
     }

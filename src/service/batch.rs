@@ -1,15 +1,21 @@
-//! Many items of one request: a bounded number of them in hand at a time, and sent in their order. Never lives here: what an item is.
+//! Many items of one request: checked on the pool before the first is begun, then worked on in order and sent one by one or together.
+//! Never lives here: what an item is.
 
-use super::Call;
-use super::answer::Answer;
-use crate::engine::{HeldBytes, Terms, Ticket};
-use crate::protocol::{Attachments, Fault, Id, notification_line};
+use super::call::Call;
+use super::message::{Notification, Payload, Permit};
+use super::response::Responder;
+use crate::engine::{JobContext, MemoryPermit, Ordered, Place, Ticket, Work};
+use crate::protocol::{Attachments, Fault, Id};
 use serde::Serialize;
-use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 /// What a batch is of.
 pub(super) trait Items: Send + Sync + Sized + 'static {
+    /// An item as the request has it.
+    type Given: Send + 'static;
+    /// An item in plain types, with everything checked that can be told before work on it begins.
+    type Prepared: Send + 'static;
     /// What working on an item comes to, ready to be sent.
     type Done: Send;
     /// An item as it is sent.
@@ -17,273 +23,296 @@ pub(super) trait Items: Send + Sync + Sized + 'static {
     /// Of the notification that an item is streamed by.
     const READY: &'static str;
 
-    fn count(&self) -> usize;
+    fn prepare(&self, index: usize, given: Self::Given) -> Result<Self::Prepared, Fault>;
 
-    /// Begins work on an item. `done` runs exactly once, on any thread.
-    fn begin(
+    /// Bytes of the item as it is written, as far as they are known before work on it begins.
+    fn least_bytes(&self, prepared: &Self::Prepared) -> u64;
+
+    /// Starts work on an item. `done` runs exactly once, on any thread.
+    fn start(
         &self,
         index: usize,
-        terms: Terms,
+        prepared: Self::Prepared,
+        context: JobContext,
         done: impl FnOnce(Result<Self::Done, Fault>) + Send + 'static,
     );
 
-    /// Bytes that it takes until it is written.
-    fn bytes(done: &Self::Done) -> u64;
+    /// Bytes of the item as it is written.
+    fn written_bytes(done: &Self::Done) -> u64;
 
     fn sent(done: Self::Done, attachments: &mut Attachments) -> Self::Sent;
 
     /// The parameters of the notification.
-    fn ready(request: &Id, index: usize, item: Self::Sent) -> impl Serialize;
+    fn ready(request: &Id, index: u64, item: Self::Sent) -> impl Serialize;
 
     /// The result: `items` where they were not streamed.
-    fn result(&self, items: Option<Vec<Self::Sent>>) -> impl Serialize;
+    fn result(item_count: u64, items: Option<Vec<Self::Sent>>) -> impl Serialize;
 }
 
-/// How a batch is to be worked on.
-pub(super) struct Course {
+/// A batch as it was asked for.
+pub(super) struct Batch<I: Items> {
+    pub items: I,
+    pub given: Vec<I::Given>,
     pub streams: bool,
-    /// Bytes of one item, until it is written: the largest.
+    /// Bytes of one item until it is written, of the largest.
     pub item_bytes: u64,
-    /// Bytes of all items as they are written, as far as they are known beforehand.
-    pub least_bytes: u64,
-    /// Bytes of what the request brought and is kept until its end.
+    /// Bytes of what the request brought and is kept until its end, besides the items themselves.
     pub request_bytes: u64,
 }
 
-struct Batch<I: Items> {
-    items: I,
-    call: Call,
-    streams: bool,
-    /// Items that may be in hand at a time: enough for every core to have work while finished ones are written.
-    window: usize,
-    state: Mutex<State<I>>,
-}
-
-struct State<I: Items> {
-    /// `None` once it is answered.
-    duty: Option<Duty>,
-    begun: usize,
-    /// Begun, and not yet written or put with the others.
-    in_hand: usize,
-    /// Those whose turn to be sent has not come.
-    finished: BTreeMap<usize, I::Done>,
-    sent: usize,
-    /// Somebody sends what is finished.
-    is_sending: bool,
-    /// Of a batch that is not streamed.
-    together: Vec<I::Sent>,
-    attachments: Attachments,
-    /// Of everything in `together`.
-    bytes: u64,
-}
-
-/// That of an item in hand, given back on drop: once it is written, or nobody wants it any more.
-struct Place<I: Items>(Arc<Batch<I>>);
-
-impl<I: Items> Drop for Place<I> {
-    fn drop(&mut self) {
-        self.0.lock().in_hand -= 1;
-        // Whoever writes has other things to do.
-        let batch = Arc::clone(&self.0);
-        self.0.call.engine().spawn(move || batch.advance());
-    }
-}
-
-/// What ends with the answer.
-struct Duty {
-    answer: Answer,
-    ticket: Ticket,
-    held: HeldBytes,
-}
-
-impl Call {
-    /// Begins a batch whose items were found to be as they should.
-    pub(super) fn run_batch<I: Items>(
-        &self,
-        items: I,
-        course: &Course,
-        answer: &mut Option<Answer>,
-    ) -> Result<(), Fault> {
-        let Course {
+impl<I: Items> Batch<I> {
+    /// Admits the batch as one request. What this gives does not check a single item before it returns: that takes as long as a client
+    /// likes, and meanwhile the connection is to hear a `request.cancel`.
+    pub fn prepare(self, call: &Call) -> Result<impl FnOnce(Responder) + use<I>, Fault> {
+        let Self {
+            items,
+            given,
             streams,
             item_bytes,
-            least_bytes,
             request_bytes,
-        } = *course;
-        if !streams {
-            self.engine().limits().batch_bytes(least_bytes)?;
-        }
-        // Of its connection's share no more than half, so that what is asked beside it goes on.
-        let share = self.engine().limits().in_flight_bytes_per_connection / 2;
-        let threads = self.engine().thread_count();
-        let room = usize::try_from(share / item_bytes.max(1)).unwrap_or(usize::MAX);
-        let window = (2 * threads + 4).min(room).min(items.count()).max(1);
-        let (held, terms) = self.take_on(request_bytes + window as u64 * item_bytes)?;
-        let Some(answer) = answer.take() else {
-            return Ok(());
-        };
-        let state = State {
-            duty: Some(Duty {
-                answer,
-                ticket: terms.ticket,
-                held,
-            }),
-            begun: 0,
-            in_hand: 0,
-            finished: BTreeMap::new(),
-            sent: 0,
-            is_sending: false,
-            together: Vec::new(),
-            attachments: Attachments::default(),
-            bytes: 0,
-        };
-        let batch = Arc::new(Batch {
-            items,
-            call: self.clone(),
-            streams,
-            window,
-            state: Mutex::new(state),
-        });
-        if batch.items.count() == 0 {
-            batch.end();
-        } else {
-            batch.advance();
-        }
-        Ok(())
+        } = self;
+        let engine = call.engine();
+        // Of its connection's quota no more than half, so that what is asked beside it goes on.
+        let quota = engine.limits().in_flight_bytes_per_connection / 2;
+        let affordable = usize::try_from(quota / item_bytes.max(1)).unwrap_or(usize::MAX);
+        // Enough for every core to have work while finished items are written.
+        let busy = 2 * engine.thread_count() + 4;
+        let window = busy.min(affordable).min(given.len()).max(1);
+        let kept = given.len() * (size_of::<I::Given>() + size_of::<I::Prepared>());
+        let bytes = kept as u64 + request_bytes + window as u64 * item_bytes;
+        let (memory, context) = call.admit(bytes)?;
+        let call = call.clone();
+        Ok(move |responder| {
+            let checking = Checking {
+                items,
+                prepared: Vec::with_capacity(given.len()),
+                given: given.into_iter(),
+                least_bytes: 0,
+                run: Run {
+                    call,
+                    streams,
+                    window,
+                    context,
+                    memory,
+                    responder,
+                },
+            };
+            checking.spawn();
+        })
     }
 }
 
-impl<I: Items> Batch<I> {
-    /// Begins as many items as may be in hand.
-    fn advance(self: &Arc<Self>) {
-        loop {
-            let mut state = self.lock();
-            let Some(duty) = &state.duty else { return };
-            if state.begun == self.items.count() || state.in_hand == self.window {
-                return;
-            }
-            let terms = Terms {
-                urgency: self.call.urgency.clone(),
-                ticket: duty.ticket.clone(),
-            };
-            let index = state.begun;
-            state.begun += 1;
-            state.in_hand += 1;
-            drop(state);
-            if let Err(error) = terms.urgency.check() {
-                return self.fail(error.into());
-            }
-            let batch = Arc::clone(self);
-            self.items
-                .begin(index, terms, move |done| batch.finished(index, done));
-        }
+/// How long items are checked on one thread before other work has its turn.
+const SLICE: Duration = Duration::from_millis(2);
+
+/// A batch whose items are being checked, each once.
+struct Checking<I: Items> {
+    items: I,
+    given: std::vec::IntoIter<I::Given>,
+    prepared: Vec<I::Prepared>,
+    least_bytes: u64,
+    run: Run,
+}
+
+/// What a batch is worked on with.
+struct Run {
+    call: Call,
+    streams: bool,
+    /// Items that may be in hand at a time.
+    window: usize,
+    context: JobContext,
+    memory: MemoryPermit,
+    responder: Responder,
+}
+
+impl<I: Items> Checking<I> {
+    fn spawn(self) {
+        let call = self.run.call.clone();
+        call.engine().spawn(move || self.check_some());
     }
 
-    fn finished(self: &Arc<Self>, index: usize, done: Result<I::Done, Fault>) {
-        match done {
-            Ok(done) => {
-                self.lock().finished.insert(index, done);
-                self.send();
-                self.advance();
+    fn check_some(mut self) {
+        let until = Instant::now() + SLICE;
+        while let Some(given) = self.given.next() {
+            if let Err(fault) = self.check(given) {
+                return self.run.responder.respond(Err(fault));
             }
-            Err(fault) => self.fail(fault),
-        }
-    }
-
-    /// Sends what is finished, as far as its turn has come. One thread at a time does; what others finish meanwhile it sends as well.
-    fn send(self: &Arc<Self>) {
-        let mut state = self.lock();
-        if state.is_sending {
-            return;
-        }
-        state.is_sending = true;
-        while state.duty.is_some() {
-            let index = state.sent;
-            let Some(done) = state.finished.remove(&index) else {
-                break;
-            };
-            state.sent += 1;
-            if self.streams {
-                drop(state);
-                self.stream(index, done);
-                state = self.lock();
-            } else if let Err(fault) = self.put_with_others(&mut state, done) {
-                drop(state);
-                return self.fail(fault);
-            }
-            if state.sent == self.items.count() {
-                drop(state);
-                return self.end();
+            if Instant::now() >= until {
+                return self.spawn();
             }
         }
-        state.is_sending = false;
+        self.begin();
     }
 
-    fn stream(self: &Arc<Self>, index: usize, done: I::Done) {
-        let ahead = self
-            .lock()
-            .duty
-            .as_ref()
-            .and_then(|duty| duty.answer.ahead());
-        let Some(ahead) = ahead else { return };
-        let mut attachments = Attachments::default();
-        let item = I::sent(done, &mut attachments);
-        let params = I::ready(ahead.request(), index, item);
-        match notification_line(I::READY, &params, &attachments) {
-            Ok(line) => ahead.send(line, attachments, Box::new(Place(Arc::clone(self)))),
-            Err(error) => self.fail(Fault::Internal {
-                message: error.to_string(),
-            }),
-        }
-    }
-
-    fn put_with_others(&self, state: &mut State<I>, done: I::Done) -> Result<(), Fault> {
-        let bytes = I::bytes(&done);
-        state.bytes += bytes;
-        let limits = self.call.engine().limits();
-        limits.batch_bytes(state.bytes)?;
-        if let Some(duty) = &mut state.duty {
-            let grown = duty.held.grow(bytes);
-            grown.map_err(|error| self.call.busy(error))?;
-        }
-        state.in_hand -= 1;
-        let item = I::sent(done, &mut state.attachments);
-        state.together.push(item);
+    fn check(&mut self, given: I::Given) -> Result<(), Fault> {
+        self.run.context.cancellation.check()?;
+        let prepared = self.items.prepare(self.prepared.len(), given)?;
+        self.least_bytes += self.items.least_bytes(&prepared);
+        self.prepared.push(prepared);
         Ok(())
     }
 
-    /// Everything is sent, or together.
-    fn end(&self) {
-        let mut state = self.lock();
-        let Some(Duty {
-            answer,
-            ticket,
-            held,
-        }) = state.duty.take()
-        else {
-            return;
+    fn begin(self) {
+        let Run {
+            call,
+            streams,
+            window,
+            context,
+            memory,
+            responder,
+        } = self.run;
+        if !streams && let Err(exceeded) = call.engine().limits().batch_bytes(self.least_bytes) {
+            return responder.respond(Err(exceeded.into()));
+        }
+        let work = Working {
+            items: self.items,
+            item_count: self.prepared.len() as u64,
+            call,
+            streams,
+            open: Mutex::new(Some(Open {
+                responder,
+                ticket: context.ticket,
+                memory,
+                together: Together::default(),
+            })),
         };
-        let together = std::mem::take(&mut state.together);
-        let attachments = std::mem::take(&mut state.attachments);
-        drop(state);
-        drop(ticket);
-        let items = (!self.streams).then_some(together);
-        answer.send(&self.items.result(items), attachments, Some(held));
+        Ordered::run(work, self.prepared, window);
+    }
+}
+
+/// A batch whose items are being worked on.
+struct Working<I: Items> {
+    items: I,
+    item_count: u64,
+    call: Call,
+    streams: bool,
+    /// `None` once it is answered.
+    open: Mutex<Option<Open<I::Sent>>>,
+}
+
+/// What ends with the response.
+struct Open<S> {
+    responder: Responder,
+    ticket: Ticket,
+    memory: MemoryPermit,
+    together: Together<S>,
+}
+
+/// The items of a batch that is not streamed.
+struct Together<S> {
+    items: Vec<S>,
+    attachments: Attachments,
+    written_bytes: u64,
+}
+
+impl<S> Default for Together<S> {
+    fn default() -> Self {
+        Self {
+            items: Vec::new(),
+            attachments: Attachments::default(),
+            written_bytes: 0,
+        }
+    }
+}
+
+impl<I: Items> Work for Working<I> {
+    type Item = I::Prepared;
+    type Output = I::Done;
+    type Error = Fault;
+
+    fn start(
+        &self,
+        index: usize,
+        prepared: I::Prepared,
+        done: impl FnOnce(Result<I::Done, Fault>) + Send + 'static,
+    ) -> Result<(), Fault> {
+        let cancellation = self.call.cancellation.clone();
+        cancellation.check()?;
+        let ticket = match &*self.lock() {
+            Some(open) => open.ticket.clone(),
+            // Another item has failed meanwhile.
+            None => return Err(Fault::Cancelled),
+        };
+        let context = JobContext {
+            cancellation,
+            ticket,
+        };
+        self.items.start(index, prepared, context, done);
+        Ok(())
     }
 
-    fn fail(&self, fault: Fault) {
-        let mut state = self.lock();
-        let duty = state.duty.take();
-        state.finished.clear();
-        state.together.clear();
-        state.attachments = Attachments::default();
-        drop(state);
-        if let Some(Duty { answer, .. }) = duty {
-            answer.fail(fault);
+    fn deliver(&self, index: usize, done: I::Done, place: Place<Self>) -> Result<(), Fault> {
+        if self.streams {
+            self.stream(index, done, place)
+        } else {
+            self.put_together(done)
         }
     }
 
-    fn lock(&self) -> MutexGuard<'_, State<I>> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    fn finish(&self, outcome: Result<(), Fault>) {
+        let Some(open) = self.lock().take() else {
+            return;
+        };
+        // Whoever has the response finds its place among the requests in the works free.
+        drop(open.ticket);
+        let payload = outcome.and_then(|()| {
+            let Together {
+                items, attachments, ..
+            } = open.together;
+            let items = (!self.streams).then_some(items);
+            let result = I::result(self.item_count, items);
+            Payload::new(&result, attachments, Some(Permit::new(open.memory)))
+        });
+        open.responder.respond(payload);
+    }
+
+    fn spawn(&self, resume: impl FnOnce() + Send + 'static) {
+        self.call.engine().spawn(resume);
+    }
+}
+
+impl<I: Items> Working<I> {
+    fn stream(&self, index: usize, done: I::Done, place: Place<Self>) -> Result<(), Fault> {
+        let stream = self
+            .lock()
+            .as_ref()
+            .and_then(|open| open.responder.stream());
+        let Some(stream) = stream else { return Ok(()) };
+        let mut attachments = Attachments::default();
+        let item = I::sent(done, &mut attachments);
+        let params = I::ready(stream.request(), index as u64, item);
+        let Payload {
+            json,
+            attachments,
+            permit,
+        } = Payload::new(&params, attachments, Some(Permit::new(place)))?;
+        stream.send(Notification {
+            method: I::READY,
+            params: json,
+            attachments,
+            permit,
+        });
+        Ok(())
+    }
+
+    fn put_together(&self, done: I::Done) -> Result<(), Fault> {
+        let bytes = I::written_bytes(&done);
+        let mut open = self.lock();
+        let Some(open) = &mut *open else {
+            return Ok(());
+        };
+        let together = &mut open.together;
+        together.written_bytes += bytes;
+        let limits = self.call.engine().limits();
+        limits.batch_bytes(together.written_bytes)?;
+        let grown = open.memory.grow(bytes);
+        grown.map_err(|error| self.call.busy(error))?;
+        let item = I::sent(done, &mut together.attachments);
+        together.items.push(item);
+        Ok(())
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Option<Open<I::Sent>>> {
+        self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

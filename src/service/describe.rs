@@ -4,12 +4,11 @@ use crate::engine::{EngineError, Extents, LoadedRig, RigRef};
 use crate::formats::{self, FileRef, Source};
 use crate::limits::Limits;
 use crate::pose::Clamped;
-use crate::protocol::mesh::MeshPart;
 use crate::protocol::pose as wire_pose;
 use crate::protocol::rig as wire;
 use crate::rig::{
-    Channel, Dof, DofKind, FileLight, FileLightKind, Joint, Limit, Mesh, Opacity, Part, Rig,
-    RotationOrder,
+    Channel, Clip, Dof, DofKind, FileLight, FileLightKind, Joint, Limit, Material, Mesh, Morph,
+    Opacity, Part, Rig, RotationOrder,
 };
 use crate::scene::Bounds;
 use glam::DMat4;
@@ -30,7 +29,7 @@ pub fn describe_files(
 pub(super) fn summary(loaded: &LoadedRig) -> wire::RigSummary {
     let rig = &loaded.rig;
     wire::RigSummary {
-        name: loaded.name.clone(),
+        name: loaded.name.to_string(),
         digest: loaded.digest.clone(),
         dialects: loaded
             .dialects
@@ -47,7 +46,8 @@ pub(super) fn summary(loaded: &LoadedRig) -> wire::RigSummary {
     }
 }
 
-pub(super) fn description(found: &RigRef) -> wire::RigDescription {
+/// What `rig.describe` answers.
+pub fn description(found: &RigRef) -> wire::RigDescription {
     let rig = &*found.loaded.rig;
     let joints = rig.skeleton().joints();
     let values = found.stored.dof_values();
@@ -64,63 +64,61 @@ pub(super) fn description(found: &RigRef) -> wire::RigDescription {
             .zip(values)
             .map(|(described, value)| dof(described, joints, value))
             .collect(),
-        meshes: rig
-            .meshes()
-            .iter()
-            .map(|mesh| wire::MeshDescription {
-                name: mesh.name().to_owned(),
-                vertex_count: mesh.vertex_count() as u64,
-                triangle_count: mesh.triangles().len() as u64,
-                material: material_name(rig, mesh.parts()[0].material),
-                parts: parts(rig, mesh),
-                has_texcoords: mesh.texcoords().is_some(),
-            })
-            .collect(),
-        materials: rig
-            .materials()
-            .iter()
-            .map(|material| wire::MaterialDescription {
-                name: material.name.clone(),
-                texture: material
-                    .texture
-                    .as_ref()
-                    .map(|place| place.texture.file().to_owned()),
-                color: material.color.map(|color| color.as_dvec4().to_array()),
-                opacity: match material.opacity {
-                    Opacity::Opaque => wire::Opacity::Opaque,
-                    Opacity::Mask(_) => wire::Opacity::Mask,
-                    Opacity::Blend => wire::Opacity::Blend,
-                },
-                single_sided: material.is_single_sided,
-                unlit: material.is_unlit,
-            })
-            .collect(),
+        meshes: rig.meshes().iter().map(|it| mesh(it, rig)).collect(),
+        materials: rig.materials().iter().map(material).collect(),
         variants: rig.variants().to_vec(),
         lights: rig
             .lights()
             .iter()
             .map(|described| light(described, joints))
             .collect(),
-        morphs: rig
-            .morphs()
-            .iter()
-            .map(|morph| wire::MorphDescription {
-                name: morph.name.clone(),
-                mesh: rig.meshes()[morph.mesh].name().to_owned(),
-                vertex_count: morph.vertex_count as u64,
-            })
-            .collect(),
-        clips: rig
-            .clips()
-            .iter()
-            .map(|clip| wire::ClipDescription {
-                name: clip.name.clone(),
-                range: clip.range,
-                channel_count: clip.channels.iter().map(dofs_set).sum(),
-            })
-            .collect(),
+        morphs: rig.morphs().iter().map(|it| morph(it, rig)).collect(),
+        clips: rig.clips().iter().map(clip).collect(),
         bounds: rig_bounds(&found.loaded.extents),
         joint_bounds: found.loaded.extents.joints().as_ref().map(bounds),
+    }
+}
+
+fn mesh(mesh: &Mesh, rig: &Rig) -> wire::MeshDescription {
+    wire::MeshDescription {
+        name: mesh.name().to_owned(),
+        vertex_count: mesh.vertex_count() as u64,
+        triangle_count: mesh.triangles().len() as u64,
+        material: material_name(rig, mesh.parts()[0].material),
+        parts: parts(rig, mesh),
+        has_texcoords: mesh.texcoords().is_some(),
+    }
+}
+
+fn material(material: &Material) -> wire::MaterialDescription {
+    let texture = material.texture.as_ref();
+    wire::MaterialDescription {
+        name: material.name.clone(),
+        texture: texture.map(|place| place.texture.file().to_owned()),
+        color: material.color.map(|color| color.as_dvec4().to_array()),
+        opacity: match material.opacity {
+            Opacity::Opaque => wire::Opacity::Opaque,
+            Opacity::Mask(_) => wire::Opacity::Mask,
+            Opacity::Blend => wire::Opacity::Blend,
+        },
+        single_sided: material.is_single_sided,
+        unlit: material.is_unlit,
+    }
+}
+
+fn morph(morph: &Morph, rig: &Rig) -> wire::MorphDescription {
+    wire::MorphDescription {
+        name: morph.name.clone(),
+        mesh: rig.meshes()[morph.mesh].name().to_owned(),
+        vertex_count: morph.vertex_count as u64,
+    }
+}
+
+fn clip(clip: &Clip) -> wire::ClipDescription {
+    wire::ClipDescription {
+        name: clip.name.clone(),
+        range: clip.range,
+        channel_count: clip.channels.iter().map(dofs_set).sum(),
     }
 }
 
@@ -131,8 +129,8 @@ fn dofs_set(channel: &Channel) -> u64 {
     }
 }
 
-pub(super) fn parts(rig: &Rig, mesh: &Mesh) -> Vec<MeshPart> {
-    let part = |part: &Part| MeshPart {
+pub(super) fn parts(rig: &Rig, mesh: &Mesh) -> Vec<wire::MeshPart> {
+    let part = |part: &Part| wire::MeshPart {
         triangle_count: part.triangles.len() as u64,
         material: material_name(rig, part.material),
     };

@@ -4,20 +4,19 @@ use super::names::LISTED;
 use crate::engine::EngineError;
 use crate::formats::LoadError;
 use crate::limits::LimitExceeded;
-use crate::protocol::{Fault, InvalidRigFile, MissingRig, nearest};
-use crate::scene::SceneError;
+use crate::protocol::{Fault, FieldFault, FieldPath, InvalidRigFile, MissingRig};
+use crate::scene::{CameraError, CameraField, InvalidValue, LightError, LightField, SizeError};
+use crate::spelling::nearest;
 
 impl From<EngineError> for Fault {
     fn from(error: EngineError) -> Self {
         match error {
-            EngineError::RigNotLoaded { rig, mut loaded } => {
-                let names = loaded.iter().map(String::as_str);
-                let nearest = nearest(&rig, names).map(str::to_owned);
-                loaded.truncate(LISTED);
+            EngineError::RigNotLoaded { rig, loaded } => {
+                let names = loaded.iter().map(|name| &**name);
                 Self::RigNotLoaded(Box::new(MissingRig {
+                    nearest: nearest(&rig, names.clone()).map(str::to_owned),
+                    loaded: names.take(LISTED).map(str::to_owned).collect(),
                     rig,
-                    nearest,
-                    loaded,
                 }))
             }
             EngineError::RigNameTaken { rig } => Self::RigNameTaken { rig },
@@ -28,14 +27,7 @@ impl From<EngineError> for Fault {
                 retry_after_ms: 100,
                 queue_depth,
             },
-            EngineError::OutsideLimits(error) => Self::invalid_params("pose", error.to_string()),
-            EngineError::PoseOutOfRange(error) => Self::invalid_params("pose", error.to_string()),
-            EngineError::Scene(SceneError {
-                field,
-                expected,
-                found,
-            }) => Self::invalid_params(field, format!("expected {expected}, but found {found}")),
-            EngineError::NoSuchPart { field, problem } => Self::invalid_params(field, problem),
+            EngineError::Pose(error) => Self::invalid_params("pose", error.to_string()),
             EngineError::DeviceLost { .. } => Self::DeviceLost,
             EngineError::Adapter(error) => Self::Internal {
                 message: error.to_string(),
@@ -98,9 +90,53 @@ impl From<LoadError> for Fault {
     }
 }
 
-/// A fault of one light says which.
-pub(super) fn of_light(index: usize, error: SceneError) -> Fault {
-    let field = error.field.strip_prefix("lights").unwrap_or(error.field);
-    let message = format!("expected {}, but found {}", error.expected, error.found);
-    Fault::invalid_params(format!("lights[{index}]{field}"), message)
+impl From<InvalidValue> for FieldFault {
+    /// Of the value itself: whoever gave it knows its path.
+    fn from(error: InvalidValue) -> Self {
+        Self::new(FieldPath::default(), error.to_string())
+    }
+}
+
+/// The fault of a value that the request has at `path`.
+pub(super) fn at(path: impl Into<FieldPath>) -> impl FnOnce(InvalidValue) -> FieldFault {
+    move |error| FieldFault::from(error).within(path)
+}
+
+/// The fault of a `size`.
+pub(super) fn of_size(error: SizeError) -> Fault {
+    match error {
+        SizeError::Value(error) => at("size")(error).into(),
+        SizeError::Limit(exceeded) => exceeded.into(),
+    }
+}
+
+impl From<CameraError> for FieldFault {
+    /// As seen from the camera.
+    fn from(CameraError { field, problem }: CameraError) -> Self {
+        at(match field {
+            CameraField::Position => FieldPath::default(),
+            CameraField::Distance => "distance".into(),
+            CameraField::Eye => "eye".into(),
+            CameraField::Up => "up".into(),
+            CameraField::FovY => "fov_y".into(),
+            CameraField::Height => "height".into(),
+            CameraField::Near => "near".into(),
+            CameraField::Fx => "fx".into(),
+            CameraField::Fy => "fy".into(),
+            CameraField::Cx => "cx".into(),
+            CameraField::Cy => "cy".into(),
+            CameraField::WorldFromCamera => "world_from_camera".into(),
+        })(problem)
+    }
+}
+
+impl From<LightError> for FieldFault {
+    /// As seen from the light.
+    fn from(LightError { field, problem }: LightError) -> Self {
+        at(match field {
+            LightField::Direction => "direction",
+            LightField::Position => "position",
+            LightField::Intensity => "intensity",
+        })(problem)
+    }
 }

@@ -1,69 +1,47 @@
-//! `mesh.batch`.
+//! `mesh.batch`. Never lives here: how one pose is skinned, and the order of many.
 
-use super::answer::Answer;
-use super::batch::{Course, Items};
-use super::mesh::{Done, Wanted, of_state, queries};
-use super::scene::of_skinning;
-use super::{Call, describe};
-use crate::engine::{RigRef, Terms};
+use super::batch::{Batch, Items};
+use super::call::Call;
+use super::dof_row::DofRow;
+use super::prepared_pose::PreparedPose;
+use super::response::Responder;
+use super::scene::skinning;
+use super::vertices::{PackedVertices, PreparedVertices, queries, shape};
+use crate::engine::{JobContext, RigRef};
 use crate::protocol::batch::{BatchAttribute, MeshBatch, MeshBatchParams, MeshItem, MeshReady};
 use crate::protocol::pose::{DofValues, Pose};
-use crate::protocol::{Attachments, Fault, Id};
-use crate::rig::Rig;
+use crate::protocol::{Attachments, Fault, FieldFault, Id};
 use serde::Serialize;
 use std::sync::Arc;
 
 impl Call {
-    pub(super) fn vertices_batch(
+    pub fn vertices_batch(
         &self,
         mut params: MeshBatchParams,
-        answer: &mut Option<Answer>,
-    ) -> Result<(), Fault> {
-        let found = self.engine().rig(&params.rig)?;
-        let rig = Arc::clone(&found.loaded.rig);
-        let poses = self.poses(&mut params, &rig)?;
-        let wants = |attribute| params.attributes.contains(&attribute);
-        let (positions, normals) = (
-            wants(BatchAttribute::Positions),
-            wants(BatchAttribute::Normals),
-        );
-        let of_skin = queries(params.mesh.as_deref(), params.range, normals, &rig)?;
-        let wanted = Wanted {
-            queries: if positions || normals {
-                of_skin
-            } else {
-                Vec::new()
-            },
-            positions,
-            joints: wants(BatchAttribute::Joints),
-            skinning: of_skinning(params.skinning),
-            shape: of_state(params.state),
-            transport: params.transport,
-        };
-        let course = Course {
+    ) -> Result<impl FnOnce(Responder) + use<>, Fault> {
+        let found = Arc::new(self.engine().rig(&params.rig)?);
+        let Poses {
+            given,
+            list,
+            shared_bytes,
+        } = self.poses(&mut params, &found)?;
+        let asked = Arc::new(asked(&params, found)?);
+        let batch = Batch {
+            given,
             streams: params.stream,
-            item_bytes: wanted.bytes(&rig),
-            least_bytes: poses.count() as u64 * wanted.written_bytes(&rig),
-            request_bytes: poses.bytes() + self.attached.len() as u64,
+            item_bytes: asked.bytes(),
+            request_bytes: self.attached.len() as u64 + shared_bytes,
+            items: MeshItems {
+                call: self.clone(),
+                asked,
+                list,
+            },
         };
-        let items = MeshItems {
-            call: self.clone(),
-            found,
-            poses,
-            wanted: Arc::new(wanted),
-        };
-        for index in 0..items.count() {
-            self.urgency.check()?;
-            let checked = self.check_pose(&items.poses.at(index), &items.found);
-            checked.map_err(|fault| items.poses.located(index, fault))?;
-        }
-        self.run_batch(items, &course, answer)
+        batch.prepare(self)
     }
 
-    /// Those of the items of a batch.
-    fn poses(&self, params: &mut MeshBatchParams, rig: &Rig) -> Result<Poses, Fault> {
+    fn poses(&self, params: &mut MeshBatchParams, found: &RigRef) -> Result<Poses, Fault> {
         let limits = self.engine().limits();
-        let dof_count = rig.dofs().all().len();
         match (params.poses.take(), params.dof_values.take()) {
             (Some(_), None) if params.pose.is_some() => {
                 let problem = "expected no `pose` beside `poses`: each of them is a whole pose";
@@ -71,26 +49,15 @@ impl Call {
             }
             (Some(poses), None) => {
                 limits.batch_items(poses.len())?;
-                Ok(Poses::Each(poses))
+                Ok(Poses {
+                    given: poses.into_iter().map(GivenPose::Whole).collect(),
+                    list: PoseList::Poses,
+                    shared_bytes: 0,
+                })
             }
             (None, Some(values)) => {
-                let values = match values {
-                    DofValues::List(values) => values,
-                    DofValues::Attached { .. } => self.numbers(&values, "dof_values")?,
-                };
-                if dof_count == 0 || values.len() % dof_count != 0 {
-                    let found = values.len();
-                    let problem = format!(
-                        "expected rows of {dof_count} values, one for each DOF, but found {found} values"
-                    );
-                    return Err(Fault::invalid_params("dof_values", problem));
-                }
-                limits.batch_items(values.len() / dof_count)?;
-                Ok(Poses::Rows {
-                    common: params.pose.take().unwrap_or_default(),
-                    values,
-                    dof_count,
-                })
+                let common = params.pose.take().unwrap_or_default();
+                self.rows(common, values, found)
             }
             (None, None) | (Some(_), Some(_)) => {
                 let problem = "expected either `poses` or `dof_values`";
@@ -98,124 +65,166 @@ impl Call {
             }
         }
     }
+
+    /// Rows of values, laid over one pose.
+    fn rows(&self, common: Pose, values: DofValues, found: &RigRef) -> Result<Poses, Fault> {
+        let of_values = |fault: FieldFault| fault.within("dof_values");
+        let values = DofRow::new(values, &self.attached).map_err(of_values)?;
+        let width = found.loaded.rig.dofs().all().len();
+        if width == 0 || !values.len().is_multiple_of(width) {
+            let found = values.len();
+            let problem = format!(
+                "expected rows of {width} values, one for each DOF, but found {found} values"
+            );
+            return Err(Fault::invalid_params("dof_values", problem));
+        }
+        let count = values.len() / width;
+        self.engine().limits().batch_items(count)?;
+        if !common.dofs.is_empty() {
+            let problem = "expected either `dofs` or `dof_values`, but found both";
+            return Err(Fault::invalid_params("dof_values", problem));
+        }
+        let common = Pose {
+            dof_values: None,
+            ..common
+        };
+        let common = self.prepare_pose(common, found)?;
+        let row = |index| GivenPose::Row(common.clone(), values.part(index, width));
+        Ok(Poses {
+            given: (0..count).map(row).collect(),
+            list: PoseList::DofValues,
+            shared_bytes: values.bytes() as u64,
+        })
+    }
 }
 
-/// The poses of a batch.
-enum Poses {
-    Each(Vec<Pose>),
-    /// Rows of values laid over one pose.
-    Rows {
-        common: Pose,
-        values: Vec<f64>,
-        dof_count: usize,
-    },
+/// The poses of a batch as the request has them.
+struct Poses {
+    given: Vec<GivenPose>,
+    list: PoseList,
+    /// Memory that several of them refer to.
+    shared_bytes: u64,
 }
 
-impl Poses {
-    fn count(&self) -> usize {
+enum GivenPose {
+    Whole(Pose),
+    /// Laid over the common pose.
+    Row(PreparedPose, DofRow),
+}
+
+/// The field that poses come from.
+#[derive(Clone, Copy)]
+enum PoseList {
+    Poses,
+    DofValues,
+}
+
+impl PoseList {
+    /// The fault of a pose, as seen from the request.
+    fn located(self, index: usize, fault: FieldFault) -> FieldFault {
         match self {
-            Self::Each(poses) => poses.len(),
-            Self::Rows {
-                values, dof_count, ..
-            } => values.len() / dof_count,
-        }
-    }
-
-    fn at(&self, index: usize) -> Pose {
-        match self {
-            Self::Each(poses) => poses[index].clone(),
-            Self::Rows {
-                common,
-                values,
-                dof_count,
-            } => Pose {
-                dof_values: Some(DofValues::List(
-                    values[index * dof_count..][..*dof_count].to_vec(),
-                )),
-                ..common.clone()
-            },
-        }
-    }
-
-    fn bytes(&self) -> u64 {
-        let bytes = match self {
-            Self::Each(poses) => size_of_val(poses.as_slice()),
-            Self::Rows { values, .. } => size_of_val(values.as_slice()),
-        };
-        bytes as u64
-    }
-
-    /// A fault of a pose is told by its place in the request.
-    fn located(&self, index: usize, fault: Fault) -> Fault {
-        let Fault::InvalidParams { path, message } = fault else {
-            return fault;
-        };
-        match (self, path.strip_prefix("pose")) {
-            (Self::Each(_), Some(rest)) => {
-                Fault::invalid_params(format!("poses[{index}]{rest}"), message)
+            Self::Poses => fault.within(("poses", index)),
+            // What is wrong with the common pose by itself has been found.
+            Self::DofValues => {
+                FieldFault::new("dof_values", format!("row {index}: {}", fault.message))
             }
-            (Self::Rows { .. }, Some(rest))
-                if rest.is_empty() || rest.starts_with(".dof_values") =>
-            {
-                Fault::invalid_params("dof_values", format!("row {index}: {message}"))
-            }
-            _ => Fault::InvalidParams { path, message },
         }
     }
+}
+
+/// What is asked for of each pose.
+fn asked(params: &MeshBatchParams, rig: Arc<RigRef>) -> Result<PreparedVertices, FieldFault> {
+    let wants = |attribute| params.attributes.contains(&attribute);
+    let (positions, normals) = (
+        wants(BatchAttribute::Positions),
+        wants(BatchAttribute::Normals),
+    );
+    let mut queries = queries(
+        params.mesh.as_deref(),
+        params.range,
+        normals,
+        &rig.loaded.rig,
+    )?;
+    if !positions && !normals {
+        queries.clear();
+    }
+    Ok(PreparedVertices {
+        queries,
+        positions,
+        joints: wants(BatchAttribute::Joints),
+        skinning: skinning(params.skinning),
+        shape: shape(params.state),
+        transport: params.transport,
+        rig,
+    })
 }
 
 /// The poses of a batch, to be worked out.
 struct MeshItems {
     call: Call,
-    found: RigRef,
-    poses: Poses,
-    wanted: Arc<Wanted>,
+    asked: Arc<PreparedVertices>,
+    list: PoseList,
+}
+
+impl MeshItems {
+    /// A fault is as seen from the pose.
+    fn prepared(&self, given: GivenPose) -> Result<PreparedPose, FieldFault> {
+        let found = &self.asked.rig;
+        let pose = match given {
+            GivenPose::Whole(pose) => PreparedPose::new(pose, &self.call.attached, found)?,
+            GivenPose::Row(common, row) => common.with_row(row, &found.loaded.rig)?,
+        };
+        pose.check(found)?;
+        Ok(pose)
+    }
 }
 
 impl Items for MeshItems {
-    type Done = Done;
+    type Given = GivenPose;
+    type Prepared = PreparedPose;
+    type Done = PackedVertices;
     type Sent = MeshItem;
     const READY: &'static str = "mesh.ready";
 
-    fn count(&self) -> usize {
-        self.poses.count()
+    fn prepare(&self, index: usize, given: GivenPose) -> Result<PreparedPose, Fault> {
+        let prepared = self.prepared(given);
+        Ok(prepared.map_err(|fault| self.list.located(index, fault))?)
     }
 
-    fn begin(
+    fn least_bytes(&self, _: &PreparedPose) -> u64 {
+        self.asked.written_bytes()
+    }
+
+    fn start(
         &self,
         index: usize,
-        terms: Terms,
-        done: impl FnOnce(Result<Done, Fault>) + Send + 'static,
+        prepared: PreparedPose,
+        context: JobContext,
+        done: impl FnOnce(Result<PackedVertices, Fault>) + Send + 'static,
     ) {
-        match self.call.posed(&self.poses.at(index), &self.found) {
-            Ok((posed, clamped)) => {
-                let clamped = describe::clamped(posed.rig(), &clamped);
-                self.call.skin(&self.wanted, posed, clamped, terms, done);
-            }
-            Err(fault) => done(Err(self.poses.located(index, fault))),
+        match prepared.evaluate(&self.asked.rig) {
+            Ok(pose) => self.call.skin(Arc::clone(&self.asked), pose, context, done),
+            Err(fault) => done(Err(self.list.located(index, fault).into())),
         }
     }
 
-    fn bytes(done: &Done) -> u64 {
-        done.wanted.written_bytes(&done.rig)
+    fn written_bytes(done: &PackedVertices) -> u64 {
+        done.asked.written_bytes()
     }
 
-    fn sent(done: Done, attachments: &mut Attachments) -> MeshItem {
+    fn sent(done: PackedVertices, attachments: &mut Attachments) -> MeshItem {
         done.sent(attachments)
     }
 
-    fn ready(request: &Id, index: usize, item: MeshItem) -> impl Serialize {
+    fn ready(request: &Id, index: u64, item: MeshItem) -> impl Serialize {
         MeshReady {
             request: request.clone(),
-            index: index as u64,
+            index,
             item,
         }
     }
 
-    fn result(&self, items: Option<Vec<MeshItem>>) -> impl Serialize {
-        MeshBatch {
-            item_count: self.count() as u64,
-            items,
-        }
+    fn result(item_count: u64, items: Option<Vec<MeshItem>>) -> impl Serialize {
+        MeshBatch { item_count, items }
     }
 }

@@ -1,8 +1,9 @@
 //! What a message says of a name that is none of the known ones: what may have been meant, or else a few of those there are.
 //! Never lives here: looking names up.
 
-use crate::protocol::{nearest, shortened};
-use crate::rig::{DofKind, Rig};
+use crate::protocol::shortened;
+use crate::rig::{DofKind, MORPH_PREFIX, Rig};
+use crate::spelling::nearest;
 
 /// As many as are read at a glance.
 pub(super) const LISTED: usize = 8;
@@ -77,21 +78,18 @@ pub(super) fn unknown_dof(name: &str, rig: &Rig) -> String {
         let its = of_joint(joint);
         return format!("the rig has no such DOF; joint {joint_name} has {its}");
     }
-    match name.strip_prefix(MORPH) {
+    match name.strip_prefix(MORPH_PREFIX) {
         Some(morph) => unknown_morph(morph, rig),
         None => unknown("DOF", name, names),
     }
 }
-
-/// What the DOFs of morph targets start with.
-const MORPH: &str = "morph.";
 
 fn unknown_morph(name: &str, rig: &Rig) -> String {
     let dofs = rig.dofs().all().iter();
     // That of a joint may start like theirs.
     let morphs = dofs.filter(|dof| matches!(dof.kind, DofKind::Morph { .. }));
     // What all of them start with would make any two look alike.
-    let known = morphs.filter_map(|dof| dof.name.strip_prefix(MORPH));
+    let known = morphs.filter_map(|dof| dof.name.strip_prefix(MORPH_PREFIX));
     unknown("morph target", name, known)
 }
 

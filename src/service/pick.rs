@@ -1,9 +1,13 @@
 //! `scene.pick`.
 
-use super::answer::Answer;
-use super::scene::of_skinning;
-use super::{Call, describe};
-use crate::engine::{EngineError, PickQuery};
+use super::call::Call;
+use super::fault;
+use super::message::{Payload, Permit};
+use super::pose::of_pose;
+use super::prepared_pose::EvaluatedPose;
+use super::response::Responder;
+use super::scene::skinning;
+use crate::engine::PickQuery;
 use crate::pick::{Hit, What};
 use crate::protocol::pick as wire;
 use crate::protocol::{Attachments, Fault};
@@ -14,48 +18,36 @@ use std::sync::Arc;
 use std::time::Duration;
 
 impl Call {
-    pub(super) fn pick(
-        &self,
-        params: wire::PickParams,
-        answer: &mut Option<Answer>,
-    ) -> Result<(), Fault> {
-        let (pixel, radius) = (params.pixel, params.bone_radius);
-        let is_asked_for = |target| params.targets.contains(&target);
-        let (bones, skin) = (
-            is_asked_for(wire::PickTarget::Bone),
-            is_asked_for(wire::PickTarget::Skin),
-        );
-        let params = params.frame();
-        let found = self.engine().rig(&params.rig)?;
+    pub fn pick(&self, params: &wire::PickParams) -> Result<impl FnOnce(Responder) + use<>, Fault> {
+        let frame = params.frame();
+        let found = self.engine().rig(&frame.rig)?;
         let rig = Arc::clone(&found.loaded.rig);
-        let (scene, appearance) = self.scene(&params, &found.loaded)?;
-        inside(pixel, scene.size)?;
-        let ray = scene.camera.ray(DVec2::from_array(pixel));
-        let ray = ray.map_err(EngineError::from)?;
+        let (scene, appearance) = self.scene(&frame, &found.loaded)?;
+        inside(params.pixel, scene.size)?;
+        let ray = scene.camera.ray(DVec2::from_array(params.pixel));
+        let ray = ray.map_err(fault::at("pixel"))?;
+        let radius = params.bone_radius.map(BoneRadius::new).transpose();
+        let is_asked_for = |target| params.targets.contains(&target);
+        let skin = is_asked_for(wire::PickTarget::Skin) && appearance.show.shows_skin();
         let query = PickQuery {
             ray,
-            bones,
-            bone_radius: radius
-                .map(BoneRadius::new)
-                .transpose()
-                .map_err(EngineError::from)?,
-            skin: (skin && appearance.show.shows_skin()).then(|| appearance.show.skin.shape()),
+            bones: is_asked_for(wire::PickTarget::Bone),
+            bone_radius: radius.map_err(fault::at("bone_radius"))?,
+            skin: skin.then(|| appearance.show.skin.shape()),
             cull: appearance.cull,
             variant: appearance.surface.variant,
         };
-        let (posed, clamped) = self.posed(&params.pose, &found)?;
-        let clamped = describe::clamped(&rig, &clamped);
+        let pose = self.prepare_pose(frame.pose, &found)?;
         // Skinned vertices are looked at and dropped, so none of them becomes text.
-        let (held, terms) = self.take_on(24 * rig.draw_vertex_count() as u64)?;
-        let Some(answer) = answer.take() else {
-            return Ok(());
-        };
-        let stats = Arc::clone(&self.service.stats);
-        let skinning = of_skinning(params.skinning);
-        self.engine()
-            .pick(posed, skinning, query, terms, move |result| match result {
-                Ok((hit, timings)) => {
-                    let timings = stats.rendered(0, 0, timings, Duration::ZERO);
+        let (memory, context) = self.admit(24 * rig.draw_vertex_count() as u64)?;
+        let EvaluatedPose { posed, clamped } = pose.evaluate(&found).map_err(of_pose)?;
+        let call = self.clone();
+        let skinning = skinning(frame.skinning);
+        Ok(move |responder: Responder| {
+            let stats = Arc::clone(&call.service.stats);
+            let engine = call.engine();
+            engine.pick(posed, skinning, query, context, move |result| {
+                responder.respond(result.map_err(Fault::from).and_then(|(hit, timings)| {
                     let picked = wire::Picked {
                         ray: wire::Ray {
                             origin: ray.origin.to_array(),
@@ -63,13 +55,12 @@ impl Call {
                         },
                         hit: hit.map(|hit| described(&hit, &rig)),
                         clamped,
-                        timings_ms: timings,
+                        timings_ms: stats.rendered(0, 0, timings, Duration::ZERO),
                     };
-                    answer.send(&picked, Attachments::default(), Some(held));
-                }
-                Err(error) => answer.fail(error.into()),
+                    Payload::new(&picked, Attachments::default(), Some(Permit::new(memory)))
+                }));
             });
-        Ok(())
+        })
     }
 }
 

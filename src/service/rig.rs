@@ -1,15 +1,16 @@
 //! `rig.*`.
 
-use super::{Call, describe};
+use super::call::Call;
+use super::describe;
 use crate::formats::{File, FileRef};
 use crate::protocol::rig::{LoadParams, RigDescription, RigFile, RigList, RigParams, RigSummary};
-use crate::protocol::{Done, Fault};
+use crate::protocol::{Done, Fault, FieldFault, FieldPath};
 
 /// Bytes of a rig's name: enough for a path-like scheme of any client's own.
 const LONGEST_NAME: usize = 256;
 
 impl Call {
-    pub(super) fn load(&self, params: LoadParams) -> Result<RigSummary, Fault> {
+    pub fn load(&self, params: LoadParams) -> Result<RigSummary, Fault> {
         let LoadParams {
             name,
             files,
@@ -25,16 +26,16 @@ impl Call {
         let files: Vec<_> = files.collect::<Result<_, _>>()?;
         let loaded = self
             .engine()
-            .load(name.as_deref(), &files, &self.service.source, replace)?;
+            .load(name.as_deref(), &files, self.source(), replace)?;
         Ok(describe::summary(&loaded))
     }
 
-    pub(super) fn unload(&self, params: &RigParams) -> Result<Done, Fault> {
+    pub fn unload(&self, params: &RigParams) -> Result<Done, Fault> {
         self.engine().unload(&params.rig)?;
         Ok(Done {})
     }
 
-    pub(super) fn list(&self) -> RigList {
+    pub fn list(&self) -> RigList {
         RigList {
             rigs: self
                 .engine()
@@ -45,7 +46,7 @@ impl Call {
         }
     }
 
-    pub(super) fn describe(&self, params: &RigParams) -> Result<RigDescription, Fault> {
+    pub fn describe(&self, params: &RigParams) -> Result<RigDescription, Fault> {
         Ok(describe::description(&self.engine().rig(&params.rig)?))
     }
 
@@ -59,24 +60,19 @@ impl Call {
         };
         if inline_name.chars().any(char::is_control) {
             let problem = "expected a file name without control characters";
-            return Err(Fault::invalid_params(
-                format!("files[{index}].name"),
-                problem,
-            ));
+            return Err(FieldFault::new("name", problem)
+                .within(("files", index))
+                .into());
         }
-        let inline = |name: String, bytes: Vec<u8>| {
-            Ok(FileRef::Inline(File {
-                name,
-                bytes: bytes.into(),
-            }))
-        };
+        let inline = |name, bytes| Ok(FileRef::Inline(File { name, bytes }));
         match file {
             RigFile::Path(path) => Ok(FileRef::Path(path)),
-            RigFile::Text { name, text } => inline(name, text.into_bytes()),
-            RigFile::Base64 { name, base64 } => inline(name, base64.0),
+            RigFile::Text { name, text } => inline(name, text.into_bytes().into()),
+            RigFile::Base64 { name, base64 } => inline(name, base64.0.into()),
             RigFile::Attached { name, attach } => {
-                let path = format!("files[{index}].attach");
-                inline(name, attach.of(&self.attached, &path)?.to_vec())
+                let bytes = attach.of(&self.attached);
+                let path = FieldPath::from(("files", index)).field("attach");
+                inline(name, bytes.map_err(|fault| fault.within(path))?.into())
             }
         }
     }

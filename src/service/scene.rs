@@ -1,34 +1,35 @@
 //! From the fields of a frame request to a [`Scene`].
 
+use super::call::Call;
+use super::fault;
 use super::names::unknown;
-use super::pose::no_such;
-use super::{Call, fault};
-use crate::engine::{EngineError, LoadedRig};
+use crate::engine::LoadedRig;
 use crate::frame::ImageKind;
 use crate::pose::Skinning;
-use crate::protocol::Fault;
 use crate::protocol::camera as wire_camera;
 use crate::protocol::frame as wire;
+use crate::protocol::{Fault, FieldFault};
 use crate::rig::Rig;
 use crate::scene::{
-    Appearance, Background, Bounds, Camera, Color, Cull, Falloff, Light, LookAt, Near, Orbit,
-    Pinhole, Samples, Scene, SceneError, Show, ShowNormals, ShowSkeleton, ShowSkin, Size, Surface,
+    Appearance, Background, Bounds, Camera, CameraError, Color, Cull, Falloff, Light, LookAt, Near,
+    Orbit, Pinhole, Samples, Scene, Show, ShowNormals, ShowSkeleton, ShowSkin, Size, Surface,
 };
 use glam::{DMat4, DVec3};
+use std::collections::BTreeSet;
 
 impl Call {
-    /// `rig` is what the default camera frames. Lights of its file are left out: they depend on the pose, and [`Call::subject`] adds them.
-    pub(super) fn scene(
+    /// `rig` is what the default camera frames. Lights of its file are left out: they depend on the pose, and evaluating a frame adds them.
+    pub fn scene(
         &self,
         params: &wire::FrameParams,
         rig: &LoadedRig,
     ) -> Result<(Scene, Appearance), Fault> {
         let limits = self.engine().limits();
         let [width, height] = params.size;
-        let size = Size::new(width, height, limits).map_err(EngineError::from)?;
+        let size = Size::new(width, height, limits).map_err(fault::of_size)?;
         let capabilities = self.engine().capabilities();
-        for output in &params.outputs {
-            capabilities.accept_raster(of_output(*output), size)?;
+        for kind in image_kinds(params) {
+            capabilities.accept_raster(kind, size)?;
         }
         if params.outputs.is_empty() {
             return Err(Fault::invalid_params(
@@ -47,8 +48,9 @@ impl Call {
             }
             Some(wire_camera::Lights::Given(lights)) => {
                 limits.lights(lights.len())?;
-                let light =
-                    |(index, light)| of_light(light).map_err(|error| fault::of_light(index, error));
+                let light = |(index, light)| {
+                    light_of(light).map_err(|fault| fault.within(("lights", index)))
+                };
                 lights
                     .iter()
                     .enumerate()
@@ -56,48 +58,48 @@ impl Call {
                     .collect::<Result<_, _>>()?
             }
         };
-        let variant = of_variant(&params.material, &rig.rig)?;
-        let scene = || -> Result<(Scene, Appearance), SceneError> {
-            let show = of_show(&params.show)?;
-            let camera = of_camera(&params.camera, &rig.extents.framed(&show), size)?;
-            let ambient = params.ambient.map(|ambient| Color::new(ambient, "ambient"));
-            let ambient = ambient.unwrap_or(Ok(Scene::DEFAULT_AMBIENT))?;
-            let surface = Surface {
-                variant,
-                ..of_material(&params.material)?
-            };
-            let background = params.background.map(Background::new);
-            let scene = Scene {
-                size,
-                samples: match params.samples {
-                    wire::Samples::One => Samples::One,
-                    wire::Samples::Four => Samples::Four,
-                },
-                camera,
-                lights,
-                ambient,
-                background: background.unwrap_or(Ok(Background::default()))?,
-            };
-            let cull = match params.cull {
+        let of_material = |fault: FieldFault| fault.within("material");
+        let variant = variant(&params.material, &rig.rig).map_err(of_material)?;
+        let show = show(&params.show).map_err(|fault| fault.within("show"))?;
+        let camera = camera(&params.camera, &rig.extents.framed(&show), size)
+            .map_err(|error| FieldFault::from(error).within("camera"))?;
+        let ambient = params
+            .ambient
+            .map_or(Ok(Scene::DEFAULT_AMBIENT), Color::new);
+        let ambient = ambient.map_err(fault::at("ambient"))?;
+        let surface = surface(&params.material).map_err(of_material)?;
+        let background = params
+            .background
+            .map_or(Ok(Background::default()), Background::new)
+            .map_err(fault::at("background"))?;
+        let scene = Scene {
+            size,
+            samples: match params.samples {
+                wire::Samples::One => Samples::One,
+                wire::Samples::Four => Samples::Four,
+            },
+            camera,
+            lights,
+            ambient,
+            background,
+        };
+        let appearance = Appearance {
+            show,
+            surface: Surface { variant, ..surface },
+            cull: match params.cull {
                 wire::Cull::Auto => Cull::Auto,
                 wire::Cull::Never => Cull::Never,
-            };
-            let appearance = Appearance {
-                show,
-                surface,
-                cull,
-            };
-            Ok((scene, appearance))
+            },
         };
-        scene().map_err(|error| EngineError::from(error).into())
+        Ok((scene, appearance))
     }
 }
 
-fn of_camera(
+fn camera(
     camera: &wire_camera::Camera,
     framed: &Bounds,
     size: Size,
-) -> Result<Camera, SceneError> {
+) -> Result<Camera, CameraError> {
     match camera {
         wire_camera::Camera::Orbit(orbit) => {
             let wire_camera::Orbit {
@@ -177,47 +179,53 @@ fn of_camera(
     }
 }
 
-fn of_light(light: &wire_camera::Light) -> Result<Light, SceneError> {
-    let white = [1.0; 3];
+fn light_of(light: &wire_camera::Light) -> Result<Light, FieldFault> {
+    let color = |given: Option<[f64; 3]>| {
+        let white = [1.0; 3];
+        Color::new(given.unwrap_or(white)).map_err(fault::at("color"))
+    };
     match light {
         wire_camera::Light::Directional(light) => {
-            let color = Color::new(light.color.unwrap_or(white), "lights.color")?;
-            Light::directional(
-                DVec3::from_array(light.direction),
+            let direction = DVec3::from_array(light.direction);
+            let color = color(light.color)?;
+            Ok(Light::directional(
+                direction,
                 color,
                 light.intensity.unwrap_or(1.0),
-            )
+            )?)
         }
         wire_camera::Light::Point(light) => {
-            let color = Color::new(light.color.unwrap_or(white), "lights.color")?;
+            let color = color(light.color)?;
             let falloff = match light.falloff {
                 wire_camera::Falloff::None => Falloff::None,
                 wire_camera::Falloff::InverseSquare => Falloff::InverseSquare,
             };
-            Light::point(
+            Ok(Light::point(
                 DVec3::from_array(light.position),
                 color,
                 light.intensity.unwrap_or(1.0),
                 falloff,
-            )
+            )?)
         }
     }
 }
 
-pub(super) fn of_output(output: wire::Output) -> ImageKind {
-    match output {
+/// What is asked for, each kind once.
+pub(super) fn image_kinds(params: &wire::FrameParams) -> BTreeSet<ImageKind> {
+    let kind = |output: &wire::Output| match output {
         wire::Output::Color => ImageKind::Color,
-    }
+    };
+    params.outputs.iter().map(kind).collect()
 }
 
-pub(super) fn of_skinning(skinning: wire::Skinning) -> Skinning {
+pub(super) fn skinning(skinning: wire::Skinning) -> Skinning {
     match skinning {
         wire::Skinning::Linear => Skinning::Linear,
         wire::Skinning::DualQuaternion => Skinning::DualQuaternion,
     }
 }
 
-fn of_variant(material: &wire::Material, rig: &Rig) -> Result<Option<usize>, EngineError> {
+fn variant(material: &wire::Material, rig: &Rig) -> Result<Option<usize>, FieldFault> {
     let Some(name) = &material.variant else {
         return Ok(None);
     };
@@ -226,25 +234,23 @@ fn of_variant(material: &wire::Material, rig: &Rig) -> Result<Option<usize>, Eng
         None => {
             let known = rig.variants().iter().map(String::as_str);
             let problem = unknown("variant", name, known);
-            Err(no_such("material.variant", problem))
+            Err(FieldFault::new("variant", problem))
         }
     }
 }
 
-fn of_material(material: &wire::Material) -> Result<Surface, SceneError> {
-    let color = |given: Option<[f64; 3]>, field| {
-        given
-            .map(|channels| Color::new(channels, field))
-            .transpose()
+fn surface(material: &wire::Material) -> Result<Surface, FieldFault> {
+    let color = |given: Option<[f64; 3]>, field: &'static str| {
+        given.map(Color::new).transpose().map_err(fault::at(field))
     };
-    Surface::new(
-        color(material.diffuse, "material.diffuse")?,
-        color(material.specular, "material.specular")?,
-        material.shininess,
-    )
+    let (diffuse, specular) = (
+        color(material.diffuse, "diffuse")?,
+        color(material.specular, "specular")?,
+    );
+    Surface::new(diffuse, specular, material.shininess).map_err(fault::at("shininess"))
 }
 
-fn of_show(show: &wire::Show) -> Result<Show, SceneError> {
+fn show(show: &wire::Show) -> Result<Show, FieldFault> {
     let skin = match show.skin {
         wire::ShowSkin::Posed => ShowSkin::Posed,
         wire::ShowSkin::Bind => ShowSkin::Bind,
@@ -261,5 +267,5 @@ fn of_show(show: &wire::Show) -> Result<Show, SceneError> {
         wire::ShowNormals::Smooth => ShowNormals::Smooth,
         wire::ShowNormals::Flat => ShowNormals::Flat,
     };
-    Show::new(skin, skeleton, normals, show.skin_opacity)
+    Show::new(skin, skeleton, normals, show.skin_opacity).map_err(fault::at("skin_opacity"))
 }

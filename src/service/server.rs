@@ -1,13 +1,13 @@
 //! `server.*`.
 
-use super::Call;
+use super::call::Call;
 use crate::engine::AdapterKind;
 use crate::formats::FORMATS;
 use crate::protocol::PROTOCOL_VERSION;
 use crate::protocol::server as wire;
 
 impl Call {
-    pub(super) fn info(&self) -> wire::ServerInfo {
+    pub fn info(&self) -> wire::ServerInfo {
         let engine = self.engine();
         let adapter = engine.adapter();
         let limits = engine
@@ -38,7 +38,7 @@ impl Call {
         }
     }
 
-    pub(super) fn stats(&self) -> wire::ServerStats {
+    pub fn stats(&self) -> wire::ServerStats {
         let engine = self.engine();
         wire::ServerStats {
             queue_depth: engine.admission().depth(),

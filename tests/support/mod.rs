@@ -19,11 +19,12 @@ pub mod suite;
 
 use adapters::{adapter, engine_on};
 
+use bytes::Bytes;
 use rigd::engine::Engine;
 use rigd::formats::Source;
 use rigd::limits::Limits;
-use rigd::protocol::{ErrorObject, Reply};
-use rigd::service::Service;
+use rigd::protocol::{self, ErrorObject};
+use rigd::service::{Request, Response, Service};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::PathBuf;
@@ -94,14 +95,52 @@ pub fn real_rigs() -> Option<PathBuf> {
     Some(folder)
 }
 
+/// What comes of a request's text; `None` for a notification.
+pub fn answer(service: &Arc<Service>, text: &str) -> Option<Response> {
+    match protocol::Request::parse(text.as_bytes()) {
+        Ok(request) => {
+            let due = |ms| Instant::now().checked_add(Duration::from_millis(ms));
+            service.answer(Request {
+                id: request.id,
+                method: request.method,
+                params: request.params,
+                deadline: request.deadline_ms.and_then(due),
+                attached: Bytes::new(),
+            })
+        }
+        Err(bad) => Some(service.session().refuse(bad.id, bad.fault).wait()),
+    }
+}
+
+/// The same as JSON-RPC has it, and what is attached to it.
+pub fn reply(response: Response) -> (Value, Vec<u8>) {
+    let mut reply = json!({"jsonrpc": "2.0", "id": response.id});
+    match response.outcome {
+        Ok(result) => reply["result"] = serde_json::from_str(&result).expect("JSON"),
+        Err(fault) => reply["error"] = json!(ErrorObject::from(fault)),
+    }
+    let attached = response.attachments.concat();
+    if !attached.is_empty() {
+        reply["attach_bytes"] = json!(attached.len());
+    }
+    (reply, attached)
+}
+
+/// A request's result and what is attached to it, or its error.
+pub fn ask_attached(
+    service: &Arc<Service>,
+    method: &str,
+    params: &Value,
+) -> Result<(Value, Vec<u8>), ErrorObject> {
+    let request = json!({"jsonrpc": "2.0", "id": 1, "method": method, "params": params});
+    let response = answer(service, &request.to_string()).expect("a request is answered");
+    let result = serde_json::from_str(&response.outcome?).expect("JSON");
+    Ok((result, response.attachments.concat()))
+}
+
 /// A request's result, or its error; whatever was attached is dropped.
 pub fn ask(service: &Arc<Service>, method: &str, params: Value) -> Result<Value, ErrorObject> {
-    let request = json!({"jsonrpc": "2.0", "id": 1, "method": method, "params": params});
-    let reply = service
-        .answer(request.to_string().as_bytes(), Vec::new())
-        .expect("a request is answered");
-    let outcome = Reply::parse(&reply.line).expect("a reply").outcome?;
-    Ok(serde_json::from_str(outcome.get()).expect("JSON"))
+    ask_attached(service, method, &params).map(|(result, _)| result)
 }
 
 /// As [`ask`], for what is meant to succeed.

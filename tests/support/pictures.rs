@@ -2,7 +2,6 @@
 //! Never lives here: what a picture should show.
 
 use super::oracle::Vector;
-use rigd::protocol::Reply;
 use rigd::service::Service;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -10,15 +9,8 @@ use std::sync::Arc;
 
 /// A request's result and the raw bytes that follow it.
 pub fn ask_attached(service: &Arc<Service>, method: &str, params: &Value) -> (Value, Vec<u8>) {
-    let request = json!({"jsonrpc": "2.0", "id": 1, "method": method, "params": params});
-    let reply = service
-        .answer(request.to_string().as_bytes(), Vec::new())
-        .expect("a request is answered");
-    let outcome = Reply::parse(&reply.line).expect("a reply").outcome;
-    let result = outcome.unwrap_or_else(|error| panic!("{method} of {params}: {error}"));
-    let result = serde_json::from_str(result.get()).expect("JSON");
-    let attached = reply.attachments.iter().flat_map(|part| part.bytes());
-    (result, attached.copied().collect())
+    super::ask_attached(service, method, params)
+        .unwrap_or_else(|error| panic!("{method} of {params}: {error}"))
 }
 
 /// A request with the fields of `changes` in place of its own.

@@ -1,6 +1,6 @@
 //! A real server on a port of its own, and a client that sends whatever bytes it is told to.
 
-use rigd::server::{Patience, Server, Stopper};
+use rigd::server::{Server, Stopper, Timeouts};
 use rigd::service::Service;
 use serde_json::{Value, json};
 use std::io::{self, BufRead, BufReader, Read, Write};
@@ -21,12 +21,12 @@ pub struct TestServer {
 
 impl TestServer {
     pub fn start(service: &Arc<Service>) -> Self {
-        Self::start_with(service, Patience::default())
+        Self::start_with(service, Timeouts::default())
     }
 
-    pub fn start_with(service: &Arc<Service>, patience: Patience) -> Self {
+    pub fn start_with(service: &Arc<Service>, timeouts: Timeouts) -> Self {
         let server =
-            Server::bind("127.0.0.1:0", Arc::clone(service), patience).expect("a free port");
+            Server::bind("127.0.0.1:0", Arc::clone(service), timeouts).expect("a free port");
         Self {
             address: server.address().expect("it is bound"),
             stopper: server.stopper().expect("it is bound"),

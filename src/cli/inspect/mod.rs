@@ -13,6 +13,7 @@ use crate::protocol::rig::{
     BoundsOf, DofDescription, DofKind, LightDescription, LightKind, MeshDescription,
     MorphDescription, RigBounds, RigDescription,
 };
+use crate::rig::MORPH_PREFIX;
 use crate::service::describe_files;
 use clap::Args;
 use std::collections::HashMap;
@@ -143,7 +144,7 @@ fn morph_lines(rig: &RigDescription) -> Vec<String> {
         .collect();
     let line = |morph: &MorphDescription| {
         let moved = counted_vertices(morph.vertex_count);
-        let name = format!("morph.{}", morph.name);
+        let name = format!("{MORPH_PREFIX}{}", morph.name);
         let weight = dofs
             .get(name.as_str())
             .map_or(String::new(), |dof| format!(", weight{}", value_of(dof)));

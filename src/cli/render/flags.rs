@@ -1,12 +1,11 @@
-//! What is wrong with a field of the request, told by the option that filled it in.
+//! What is wrong with a field of a frame request, told by the option that filled it in.
 //! Never lives here: what may be in a field.
 
 use super::args::RenderArgs;
 use super::typed::rotation_named;
 use crate::cli::values::Weight;
 use crate::protocol::rig::RigDescription;
-use crate::protocol::{ErrorObject, Kind};
-use serde_json::Value;
+use crate::protocol::{ErrorObject, Fault, FieldFault, FieldPath, Segment};
 
 /// The error with options in place of fields. One that is of no option stays as it is.
 pub(super) fn told_by_option(
@@ -14,37 +13,52 @@ pub(super) fn told_by_option(
     args: &RenderArgs,
     rig: &RigDescription,
 ) -> anyhow::Error {
-    let refused = error.chain().find_map(|cause| cause.downcast_ref());
-    let told = refused.and_then(|refused| told(refused, args, rig));
-    told.map_or(error, anyhow::Error::msg)
+    match error.downcast::<Fault>() {
+        Ok(fault) => match told(&fault, args, rig) {
+            Some(told) => anyhow::Error::msg(told),
+            None => ErrorObject::from(fault).into(),
+        },
+        Err(other) => other,
+    }
 }
 
-fn told(refused: &ErrorObject, args: &RenderArgs, rig: &RigDescription) -> Option<String> {
-    let detail = |name| refused.detail(name).and_then(Value::as_str);
-    let (option, message) = match refused.kind()? {
-        Kind::InvalidParams => {
-            let path = detail("path")?;
-            let message = refused.message.strip_prefix(path)?.strip_prefix(": ")?;
+fn told(fault: &Fault, args: &RenderArgs, rig: &RigDescription) -> Option<String> {
+    let (option, message) = match fault {
+        Fault::InvalidParams(FieldFault { path, message }) => {
             let past_limits = past_limits(path, args, rig);
-            let message = past_limits.unwrap_or_else(|| message.to_owned());
-            (option_of(path, args)?, message)
+            (
+                option_of(path, args)?,
+                past_limits.unwrap_or_else(|| message.clone()),
+            )
         }
-        Kind::LimitExceeded => {
-            let option = match detail("limit")? {
+        Fault::LimitExceeded { limit, .. } => {
+            let option = match limit.as_str() {
                 "lights" => "--light",
                 "side" | "pixels" | "adapter_side" | "adapter_buffer_bytes" => "--size",
                 _ => return None,
             };
-            (option.to_owned(), refused.message.clone())
+            (option.to_owned(), fault.to_string())
         }
         _ => return None,
     };
     Some(format!("{option}: {message}"))
 }
 
+/// What is given for a name inside of a field of the pose.
+fn named_in_pose<'a>(path: &'a FieldPath, field: &str) -> Option<&'a str> {
+    match path.segments() {
+        [Segment::Name(pose), Segment::Name(of), Segment::Name(name)]
+            if pose == "pose" && of == field =>
+        {
+            Some(name)
+        }
+        _ => None,
+    }
+}
+
 /// The option that fills in the field at `path` of a frame request.
-fn option_of(path: &str, args: &RenderArgs) -> Option<String> {
-    if let Some(dof) = path.strip_prefix("pose.dofs.") {
+fn option_of(path: &FieldPath, args: &RenderArgs) -> Option<String> {
+    if let Some(dof) = named_in_pose(path, "dofs") {
         let is_this = |weight: &&Weight| weight.dof() == dof;
         let weight = args.pose.morphs.iter().find(is_this);
         return Some(weight.map_or_else(
@@ -52,17 +66,17 @@ fn option_of(path: &str, args: &RenderArgs) -> Option<String> {
             |weight| format!("--morph {}", weight.morph),
         ));
     }
-    if let Some(joint) = path.strip_prefix("pose.rotations.") {
+    if let Some(joint) = named_in_pose(path, "rotations") {
         return Some(format!("--rotate {joint}"));
     }
-    if let Some((index, field)) = path
-        .strip_prefix("lights[")
-        .and_then(|rest| rest.split_once(']'))
+    if let [Segment::Name(lights), Segment::Index(index), inner @ ..] = path.segments()
+        && lights == "lights"
     {
-        let number = index.parse::<usize>().ok()? + 1;
-        let field = field.trim_start_matches('.');
-        let of = if field.is_empty() { "" } else { ", its " };
-        return Some(format!("--light number {number}{of}{field}"));
+        let of = match inner {
+            [Segment::Name(field)] => format!(", its {field}"),
+            _ => String::new(),
+        };
+        return Some(format!("--light number {}{of}", index + 1));
     }
     let view = &args.camera;
     let from = if view.eye.is_some() {
@@ -72,7 +86,7 @@ fn option_of(path: &str, args: &RenderArgs) -> Option<String> {
     };
     let goes_by_target = view.target.is_some() && view.eye.is_none() && view.camera.is_none();
     let clip = || Some(format!("--clip {}", args.pose.clip.as_deref()?));
-    let option = match path {
+    let option = match path.to_string().as_str() {
         "pose.clip" | "pose.clip.name" => return clip(),
         "camera" if goes_by_target => "--target, and the eye that goes by it",
         "camera" if view.target.is_some() => return Some(format!("{from}, --target")),
@@ -109,8 +123,8 @@ fn option_of(path: &str, args: &RenderArgs) -> Option<String> {
 }
 
 /// In the unit that was typed, where it was an angle past its limits.
-fn past_limits(path: &str, args: &RenderArgs, rig: &RigDescription) -> Option<String> {
-    let dof = path.strip_prefix("pose.dofs.")?;
+fn past_limits(path: &FieldPath, args: &RenderArgs, rig: &RigDescription) -> Option<String> {
+    let dof = named_in_pose(path, "dofs")?;
     let mut assignments = args.pose.assignments.iter().rev();
     let typed = assignments.find(|assignment| assignment.dof == dof)?.value;
     let limits = rotation_named(rig, dof)?;
@@ -134,6 +148,7 @@ mod tests {
     use crate::protocol::frame::FrameParams;
     use crate::scene::Bounds;
     use clap::Parser;
+    use serde_json::Value;
     use std::collections::BTreeSet;
 
     fn parsed(arguments: &[&str]) -> (Box<RenderArgs>, FrameParams) {
@@ -153,22 +168,21 @@ mod tests {
     }
 
     /// The paths of everything in a request that a fault can be in.
-    fn paths(value: &Value, path: &str, found: &mut Vec<String>) {
+    fn paths(value: &Value, path: &FieldPath, found: &mut Vec<FieldPath>) {
         match value {
             Value::Object(members) => {
                 for (name, inner) in members {
-                    let dot = if path.is_empty() { "" } else { "." };
-                    paths(inner, &format!("{path}{dot}{name}"), found);
+                    paths(inner, &path.clone().field(name.clone()), found);
                 }
             }
-            Value::Array(items) if path == "lights" => {
+            Value::Array(items) if *path == "lights".into() => {
                 for (index, light) in items.iter().enumerate() {
-                    paths(light, &format!("{path}[{index}]"), found);
+                    paths(light, &path.clone().index(index), found);
                 }
             }
             _ => {}
         }
-        found.push(path.to_owned());
+        found.push(path.clone());
     }
 
     #[test]
@@ -200,7 +214,7 @@ mod tests {
         ];
         // Chosen by rigd itself.
         let own = [
-            "",
+            "params",
             "rig",
             "image",
             "transport",
@@ -220,18 +234,18 @@ mod tests {
             let arguments = [&common[..], &camera].concat();
             let (args, request) = parsed(&arguments);
             let mut found = Vec::new();
-            paths(&serde_json::to_value(request).unwrap(), "", &mut found);
-            found.push("lights".to_owned());
+            let request = serde_json::to_value(request).unwrap();
+            paths(&request, &FieldPath::default(), &mut found);
+            found.push("lights".into());
             for path in found {
                 match option_of(&path, &args) {
                     Some(option) => {
                         told.insert(option.split([' ', ',']).next().unwrap().to_owned())
                     }
                     None => {
-                        assert!(
-                            own.contains(&path.as_str()) || path.ends_with("kind"),
-                            "{path}"
-                        );
+                        let path = path.to_string();
+                        let is_own = own.contains(&path.as_str()) || path.ends_with("kind");
+                        assert!(is_own, "{path}");
                         continue;
                     }
                 };
@@ -263,7 +277,7 @@ mod tests {
             ("morph.blink", "--set morph.blink"),
             ("morph.frown", "--morph morph.frown"),
         ] {
-            let path = format!("pose.dofs.{dof}");
+            let path = FieldPath::from(["pose", "dofs"]).field(dof);
             assert_eq!(option_of(&path, &args).as_deref(), Some(option));
         }
     }

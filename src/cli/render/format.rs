@@ -1,7 +1,6 @@
 //! What kind of file the output is. Never lives here: how it is written.
 
 use crate::cli::files::Destination;
-use crate::protocol::frame::ImageFormat;
 use anyhow::bail;
 
 /// What the ending of the output's name asks for.
@@ -26,14 +25,6 @@ impl Format {
                 "--output: expected a name that ends in .png, .gif or .apng, or - for a PNG to standard output, but found `{}`",
                 path.display()
             ),
-        }
-    }
-
-    /// What to ask a frame as.
-    pub fn image(self) -> ImageFormat {
-        match self {
-            Self::Png => ImageFormat::Png,
-            Self::Gif | Self::Apng => ImageFormat::Rgba8,
         }
     }
 }

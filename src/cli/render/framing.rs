@@ -2,15 +2,14 @@
 //! Never lives here: where the camera looks from.
 
 use super::view::{Lens, View};
-use crate::cli::local;
-use crate::protocol::blob::ArrayTransport;
-use crate::protocol::frame::{FrameParams, ShowSkeleton, ShowSkin};
-use crate::protocol::mesh::{VertexState, Vertices, VerticesParams};
-use crate::protocol::pose::{JointTransform, Pose, Transforms, TransformsParams};
-use crate::scene::{Bounds, Camera, Size};
-use crate::service::Service;
+use crate::cli::local::{self, Drawing};
+use crate::engine::{Engine, RigRef};
+use crate::protocol::Fault;
+use crate::protocol::frame::FrameParams;
+use crate::scene::{Bounds, Camera, ShowSkeleton, ShowSkin, Size, VertexQuery};
+use crate::service::{Service, Subject};
 use glam::DVec3;
-use std::sync::Arc;
+use std::sync::{Arc, mpsc};
 
 /// Moments of a clip that are looked at: a stride has a few, and what happens between two of them is seldom far outside of both.
 const MOMENTS: u32 = 24;
@@ -22,7 +21,8 @@ pub(super) fn frame_clip(
     request: &FrameParams,
     [start, end]: [f64; 2],
     service: &Arc<Service>,
-) -> anyhow::Result<()> {
+    loaded: &RigRef,
+) -> Result<(), Fault> {
     if view.target.is_some() && view.distance.is_some() {
         return Ok(());
     }
@@ -33,7 +33,12 @@ pub(super) fn frame_clip(
         if let Some(clip) = &mut pose.clip {
             clip.time = start + (end - start) * share;
         }
-        corners.extend(extent(request, pose, service)?);
+        let request = FrameParams {
+            pose,
+            ..request.clone()
+        };
+        let subject = service.subject(&request, loaded)?;
+        corners.extend(extent(service.engine(), subject)?);
     }
     let bounds = Bounds::of(corners).unwrap_or(Bounds::ORIGIN);
     let [width, height] = request.size;
@@ -48,55 +53,44 @@ pub(super) fn frame_clip(
     Ok(())
 }
 
-/// Points that have in their midst what is shown of the rig in a pose: the corners of its skin's bounds, and its joints where they are
-/// shown or there is no skin.
-fn extent(request: &FrameParams, pose: Pose, service: &Arc<Service>) -> anyhow::Result<Vec<DVec3>> {
+/// Points that have in their midst what is shown of the rig: the corners of its skin's bounds, and its joints where they are shown or there
+/// is no skin.
+fn extent(engine: &Engine, subject: Subject) -> Result<Vec<DVec3>, Fault> {
+    let show = subject.appearance.show;
+    let joints = subject.posed.world_from_joint().iter();
+    let joints: Vec<DVec3> = joints.map(|joint| joint.translation).collect();
     let mut points = Vec::new();
-    if request.show.skin != ShowSkin::None {
-        points.extend(corners_of_skin(request, pose.clone(), service)?);
+    if show.skin != ShowSkin::None {
+        points.extend(corners_of_skin(engine, subject)?);
     }
-    if request.show.skeleton != ShowSkeleton::None || points.is_empty() {
-        points.extend(origins_of_joints(request, pose, service)?);
+    if show.skeleton != ShowSkeleton::None || points.is_empty() {
+        points.extend(joints);
     }
     Ok(points)
 }
 
-fn origins_of_joints(
-    request: &FrameParams,
-    pose: Pose,
-    service: &Arc<Service>,
-) -> anyhow::Result<Vec<DVec3>> {
-    let params = TransformsParams {
-        rig: request.rig.clone(),
-        pose,
-    };
-    let (transforms, _) = local::ask::<_, Transforms>(service, "joint.transforms", &params)?;
-    let origin = |joint: &JointTransform| DVec3::from_slice(&joint.world_from_joint[12..15]);
-    Ok(transforms.joints.iter().map(origin).collect())
-}
-
 /// None where there is no skin.
-fn corners_of_skin(
-    request: &FrameParams,
-    pose: Pose,
-    service: &Arc<Service>,
-) -> anyhow::Result<Vec<DVec3>> {
-    let params = VerticesParams {
-        rig: request.rig.clone(),
-        pose,
-        skinning: request.skinning,
-        state: match request.show.skin {
-            ShowSkin::Bind => VertexState::Bind,
-            ShowSkin::Posed | ShowSkin::None => VertexState::Posed,
-        },
-        // Bounds alone.
-        attributes: Vec::new(),
-        mesh: None,
-        range: None,
-        transport: ArrayTransport::Attach,
-    };
-    let (vertices, _) = local::ask::<_, Vertices>(service, "mesh.vertices", &params)?;
-    let corners = [vertices.bounds.min, vertices.bounds.max].map(DVec3::from_array);
-    let has_skin = vertices.meshes.iter().any(|mesh| mesh.vertex_count > 0);
-    Ok(corners.into_iter().filter(|_| has_skin).collect())
+fn corners_of_skin(engine: &Engine, subject: Subject) -> Result<Vec<DVec3>, Fault> {
+    let meshes = subject.posed.rig().meshes().iter().enumerate();
+    let queries = meshes.map(|(mesh, of_mesh)| VertexQuery {
+        instance: 0,
+        mesh,
+        start: 0,
+        count: of_mesh.vertex_count(),
+        positions: true,
+        normals: false,
+    });
+    let (queries, shape) = (queries.collect(), subject.appearance.show.skin.shape());
+    let (sender, receiver) = mpsc::sync_channel(1);
+    let (posed, skinning) = (subject.posed, subject.skinning);
+    let context = local::job_context(engine)?;
+    engine.vertices(posed, skinning, shape, queries, context, move |skinned| {
+        // The receiver waits.
+        let _ = sender.send(skinned.map_err(Fault::from));
+    });
+    let (meshes, _) = Drawing(receiver).wait()?;
+    let positions = meshes.iter().filter_map(|mesh| mesh.positions.as_deref());
+    let bounds = positions.filter_map(Bounds::of_positions);
+    let bounds = bounds.reduce(|all, one| all.and(&one));
+    Ok(bounds.map_or(Vec::new(), |bounds| vec![bounds.min, bounds.max]))
 }

@@ -1,5 +1,5 @@
 //! `rigd render`: a picture or a sequence of them, drawn by this process.
-//! Never lives here: anything that is not asked of the service by a request.
+//! Never lives here: anything that a frame request cannot ask for.
 
 mod args;
 mod flags;
@@ -18,13 +18,13 @@ use super::files::Destination;
 use super::local;
 use super::terminal::{Warnings, print, printable};
 use crate::encode::{AnimatedGif, Compression};
+use crate::engine::RigRef;
 use crate::formats::Source;
 use crate::limits::Limits;
 use crate::protocol::frame as wire;
-use crate::protocol::rig::{RigDescription, RigParams};
 use crate::scene::{Size, SizeError};
-use crate::service::Service;
-use anyhow::{Context, anyhow, bail};
+use crate::service::{Service, description};
+use anyhow::{anyhow, bail};
 use format::Format;
 use indicatif::{ProgressBar, ProgressStyle};
 use output::{Reel, Terms};
@@ -35,8 +35,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use typed::Clamps;
 
-/// Frames that are drawn or wait for it while one is written: two keep the renderer busy, and three of the largest stay within what one
-/// client may have in flight.
+/// Frames that are drawn or wait for it while one is written: two keep the renderer busy, and three of the largest come to some 200 MB.
 const IN_FLIGHT: usize = 3;
 
 pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
@@ -44,7 +43,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
     let format = Format::of(&output)?;
     let [width, height] = args.output.size.0;
     let size = Size::new(width, height, &Limits::default()).map_err(|error| match error {
-        SizeError::Scene(error) => anyhow!("--size: expected {error}"),
+        SizeError::Value(error) => anyhow!("--size: {error}"),
         SizeError::Limit(error) => anyhow!("--size: {error}"),
     })?;
     let (motion, rate) = (args.motion(format)?, args.rate()?);
@@ -55,23 +54,20 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
         bail!("--output: a sequence needs a file that ends in .png, .gif or .apng, but found `-`");
     }
     let mut request = args.request("")?;
-    request.image = format.image();
     let compression = of_compression(request.compression);
 
     let mut warnings = Warnings::default();
     let engine = args.renderer.open()?;
     request.rig = local::load(&engine, &args.files, &mut warnings)?
         .name
-        .clone();
+        .to_string();
     let service = Service::new(engine, Source::inline_only());
-    let params = RigParams {
-        rig: request.rig.clone(),
-    };
-    let (rig, _) = local::ask::<_, RigDescription>(&service, "rig.describe", &params)?;
+    let loaded = service.engine().rig(&request.rig)?;
+    let rig = description(&loaded);
     args.check_numbers(&rig, &mut warnings)?;
     let clamps = Clamps::new(args, &rig);
     let draw = || {
-        let shots = Shots::new(args, motion, rate, request, &rig, &service)?;
+        let shots = Shots::new(args, motion, rate, request, &rig, &service, &loaded)?;
         let terms = Terms {
             output,
             format,
@@ -80,13 +76,8 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
             motion,
             frames: shots.count(),
         };
-        draw(
-            &service,
-            &shots,
-            Reel::new(terms, size),
-            clamps,
-            &mut warnings,
-        )
+        let reel = Reel::new(terms, size);
+        draw(&service, &loaded, &shots, reel, clamps, &mut warnings)
     };
     let written = draw().map_err(|error| flags::told_by_option(error, args, &rig))?;
     if let Some(written) = written {
@@ -95,17 +86,17 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
     Ok(Outcome::of(&warnings, args.strict))
 }
 
-/// Asks for all frames, a few at a time, and writes them in order as they come.
+/// Draws all frames, a few at a time, and writes them in order as they come.
 fn draw(
     service: &Arc<Service>,
+    loaded: &RigRef,
     shots: &Shots,
     mut reel: Reel,
     mut clamps: Clamps,
     warnings: &mut Warnings,
 ) -> anyhow::Result<Option<String>> {
-    let mut conversation = service.converse();
-    let mut to_ask = 0..shots.count();
-    let mut asked = VecDeque::with_capacity(IN_FLIGHT);
+    let mut to_draw = 0..shots.count();
+    let mut begun = VecDeque::with_capacity(IN_FLIGHT);
     let progress = progress(shots.count());
     let stopped_by = Arc::new(AtomicUsize::new(0));
     for signal in [SIGINT, SIGTERM] {
@@ -117,18 +108,22 @@ fn draw(
             0 => {}
             signal => return Err(Stopped { signal }.into()),
         }
-        while asked.len() < IN_FLIGHT
-            && let Some(index) = to_ask.next()
+        while begun.len() < IN_FLIGHT
+            && let Some(index) = to_draw.next()
         {
-            let request = shots.request(index);
-            asked.push_back(local::begin(&mut conversation, "frame.render", &request)?);
+            let mut subject = service.subject(&shots.request(index), loaded)?;
+            let clamped = std::mem::take(&mut subject.clamped);
+            let pack = reel.packing();
+            let packed = move |frame, _| pack(frame);
+            let drawing = local::draw(service.engine(), loaded, subject, packed)?;
+            begun.push_back((clamped, drawing));
         }
-        let Some(next) = asked.pop_front() else { break };
-        let (frame, attached) = local::read::<wire::Frame>(next)?;
-        progress.suspend(|| clamps.tell(&frame.clamped, warnings));
-        let picture = frame.images.get("color");
-        let picture = picture.context("a frame has a color picture")?;
-        reel.push(picture.bytes(&attached)?.into())?;
+        let Some((clamped, drawing)) = begun.pop_front() else {
+            break;
+        };
+        let picture = drawing.wait()?;
+        progress.suspend(|| clamps.tell(&clamped, warnings));
+        reel.push(picture)?;
         progress.inc(1);
     }
     progress.finish_and_clear();

@@ -3,8 +3,9 @@
 use super::format::Format;
 use super::shots::Motion;
 use crate::cli::files::{self, Destination, Unfinished, numbered};
-use crate::encode::{AnimatedGif, AnimatedPng, Compression, FrameRate};
+use crate::encode::{self, AnimatedGif, AnimatedPng, Compression, FrameRate};
 use crate::frame::{ImageKind, Raster};
+use crate::protocol::Fault;
 use crate::scene::Size;
 use anyhow::Context;
 use std::fs::{self, File};
@@ -49,7 +50,18 @@ impl Reel {
         }
     }
 
-    /// `picture` is as [`Format::image`] has it.
+    /// What is to be made of a frame, on any thread, before it is pushed: a PNG file, or bare pixels for an animation.
+    pub fn packing(&self) -> impl FnOnce(Raster) -> Result<Vec<u8>, Fault> + Send + use<> {
+        let (format, compression) = (self.terms.format, self.terms.compression);
+        move |frame| match format {
+            Format::Png => encode::png(&frame, compression).map_err(|error| Fault::Internal {
+                message: error.to_string(),
+            }),
+            Format::Gif | Format::Apng => Ok(frame.bytes.into_vec()),
+        }
+    }
+
+    /// `picture` is as [`Reel::packing`] makes it.
     pub fn push(&mut self, picture: Vec<u8>) -> anyhow::Result<()> {
         let (number, size) = (self.taken, self.size);
         self.taken += 1;

@@ -2,7 +2,6 @@
 
 use super::args::{LightArgs, LookArgs, PoseArgs, RenderArgs};
 use crate::cli::values::{Assignment, LightArg, Rotation};
-use crate::protocol::blob::PictureTransport;
 use crate::protocol::camera::{Light, Lights, NamedLights};
 use crate::protocol::frame::{FrameParams, Material, Show, ShowNormals};
 use crate::protocol::pose::Pose;
@@ -23,7 +22,6 @@ impl RenderArgs {
             size: self.output.size.0,
             samples: self.output.samples.into(),
             compression: self.output.compression.into(),
-            transport: PictureTransport::Attach,
             ..FrameParams::of(rig)
         })
     }

@@ -6,6 +6,7 @@ use super::framing::frame_clip;
 use super::view::{View, rest_of};
 use crate::cli::values::Seconds;
 use crate::encode::FrameRate;
+use crate::engine::RigRef;
 use crate::protocol::frame::FrameParams;
 use crate::protocol::pose::ClipAt;
 use crate::protocol::rig::RigDescription;
@@ -78,6 +79,7 @@ impl Shots {
         mut request: FrameParams,
         rig: &RigDescription,
         service: &Arc<Service>,
+        loaded: &RigRef,
     ) -> anyhow::Result<Self> {
         let rest = rest_of(rig);
         let mut view = args.camera.view(&rest)?;
@@ -91,7 +93,7 @@ impl Shots {
         });
         let plays = args.pose.plays_clip() && motion != Motion::Still;
         if plays {
-            frame_clip(&mut view, &request, range, service)?;
+            frame_clip(&mut view, &request, range, service, loaded)?;
         }
         let (count, turntable) = match motion {
             Motion::Still => (1, None),

@@ -2,7 +2,7 @@
 //! goes on to encode what it has drawn.
 
 use super::Worker;
-use super::job::{Job, Timings, Urgency};
+use super::job::{Cancellation, Job, Timings};
 use super::skin_cache::{Computation, Lookup, SkinCache};
 use crate::engine::EngineError;
 use crate::engine::pool::Pool;
@@ -59,7 +59,7 @@ impl Shared {
 
     fn work(self: &Arc<Self>, job: Job) {
         let started = Instant::now();
-        if let Err(error) = job.urgency.check() {
+        if let Err(error) = job.cancellation.check() {
             return self.answer(job, started, Err(error));
         }
         if job.plan.image.is_none() {
@@ -86,7 +86,7 @@ impl Shared {
         let is_wanted = || {
             // Not what is heavy beside others: each of them would give way to the next one, deeper and deeper.
             self.give_way(alone);
-            job.urgency.check().is_ok() || self.skins.is_awaited(computation)
+            job.cancellation.check().is_ok() || self.skins.is_awaited(computation)
         };
         let spread = Spread::over(cores, &is_wanted);
         let skinned = caught(|| self.cpu.skin(&job.plan, spread)).map(|it| it.map(Arc::new));
@@ -97,7 +97,7 @@ impl Shared {
         match skinned {
             Ok(Some(skinned)) => self.finish(job, started, Some(&skinned)),
             Ok(None) => {
-                let unwanted = unwanted(&job.urgency);
+                let unwanted = unwanted(&job.cancellation);
                 self.answer(job, started, Err(unwanted));
             }
             Err(error) => self.answer(job, started, Err(error)),
@@ -106,7 +106,7 @@ impl Shared {
 
     /// Draws and copies from skinned vertices.
     fn finish(&self, job: Job, started: Instant, skinned: Option<&Skinned>) {
-        let outputs = self.guarded(&job.urgency, |spread| {
+        let outputs = self.guarded(&job.cancellation, |spread| {
             self.cpu.outputs(&job.plan, skinned, spread)
         });
         self.answer(job, started, outputs);
@@ -114,16 +114,16 @@ impl Shared {
 
     fn guarded(
         &self,
-        urgency: &Urgency,
+        cancellation: &Cancellation,
         work: impl FnOnce(Spread<'_>) -> Option<Outputs>,
     ) -> Result<Outputs, EngineError> {
         let cores = self.cores();
         let is_wanted = || {
             self.give_way(cores);
-            urgency.check().is_ok()
+            cancellation.check().is_ok()
         };
         let outputs = caught(|| work(Spread::over(cores, &is_wanted)))?;
-        outputs.ok_or_else(|| unwanted(urgency))
+        outputs.ok_or_else(|| unwanted(cancellation))
     }
 
     /// A job that had all cores to itself lets those that came since go first, a portion of its own at a time. None of them has, so this
@@ -156,8 +156,8 @@ fn caught<T>(work: impl FnOnce() -> T) -> Result<T, EngineError> {
 }
 
 /// Why work was left. Whatever made it unwanted still does.
-fn unwanted(urgency: &Urgency) -> EngineError {
-    urgency.check().err().unwrap_or(EngineError::Cancelled)
+fn unwanted(cancellation: &Cancellation) -> EngineError {
+    cancellation.check().err().unwrap_or(EngineError::Cancelled)
 }
 
 /// Influences and displacements that the picture of a plan is skinned by.

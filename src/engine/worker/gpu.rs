@@ -216,7 +216,7 @@ impl Thread {
 
     /// Answers those that are not.
     fn still_wanted(&self, jobs: VecDeque<Job>) -> VecDeque<Job> {
-        let wanted = |job: Job| match job.urgency.check() {
+        let wanted = |job: Job| match job.cancellation.check() {
             Ok(()) => Some(job),
             Err(error) => {
                 self.answer(job.reply, Err(error));
@@ -254,7 +254,7 @@ impl Thread {
             .fetch_add(busy_nanos, Ordering::Relaxed);
         for (job, outputs) in jobs.into_iter().zip(outputs) {
             let timings = Timings::of(job.taken, started);
-            let result = job.urgency.check().map(|()| (outputs, timings));
+            let result = job.cancellation.check().map(|()| (outputs, timings));
             self.answer(job.reply, result);
         }
     }

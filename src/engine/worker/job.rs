@@ -1,6 +1,6 @@
 //! A plan and who waits for its outputs. Never lives here: who works on it.
 
-use crate::engine::{EngineError, Terms, Ticket};
+use crate::engine::{EngineError, JobContext, Ticket};
 use crate::frame::Outputs;
 use crate::render::Plan;
 use std::sync::Arc;
@@ -30,14 +30,14 @@ impl Timings {
     }
 }
 
-/// Until when, and whether at all, an answer is still of interest.
+/// Whether an answer is still of interest. Cancellation is sticky, and a clone is the same one.
 #[derive(Debug, Clone, Default)]
-pub struct Urgency {
+pub struct Cancellation {
     pub deadline: Option<Instant>,
     pub cancelled: Arc<AtomicBool>,
 }
 
-impl Urgency {
+impl Cancellation {
     /// # Errors
     /// [`EngineError::Cancelled`] or [`EngineError::DeadlineExceeded`], once that is so.
     pub fn check(&self) -> Result<(), EngineError> {
@@ -54,7 +54,7 @@ impl Urgency {
 /// A plan and who waits for it. Answered exactly once: on drop at the latest.
 pub(in crate::engine) struct Job {
     pub plan: Plan,
-    pub urgency: Urgency,
+    pub cancellation: Cancellation,
     pub taken: Instant,
     pub reply: Reply,
 }
@@ -85,15 +85,18 @@ impl Drop for Reply {
 }
 
 impl Job {
-    pub fn new(plan: Plan, terms: Terms, done: Answered) -> Self {
-        let Terms { urgency, ticket } = terms;
+    pub fn new(plan: Plan, context: JobContext, done: Answered) -> Self {
+        let JobContext {
+            cancellation,
+            ticket,
+        } = context;
         let reply = Reply {
             done: Some(done),
             ticket: Some(ticket),
         };
         Self {
             plan,
-            urgency,
+            cancellation,
             taken: Instant::now(),
             reply,
         }

@@ -6,7 +6,7 @@ mod job;
 mod skin_cache;
 
 pub(super) use job::Job;
-pub use job::{Timings, Urgency};
+pub use job::{Cancellation, Timings};
 
 use super::RendererChoice;
 use crate::engine::pool::Pool;

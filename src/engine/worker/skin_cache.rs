@@ -144,8 +144,8 @@ fn drawn_skins(plan: &Plan) -> Vec<Skin> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::worker::Urgency;
-    use crate::engine::{Admission, Terms};
+    use crate::engine::worker::Cancellation;
+    use crate::engine::{Admission, JobContext};
     use crate::limits::Limits;
     use crate::pose::{Pose, Posed, Skinning};
     use crate::render::cpu::{Cores, Cpu, Spread};
@@ -192,11 +192,11 @@ mod tests {
         };
         let plan = Plan::picture(Arc::clone(posed), skinning, appearance, scene, 1.0);
         let admission = Arc::new(Admission::new(&Limits::default()));
-        let terms = Terms {
-            urgency: Urgency::default(),
+        let context = JobContext {
+            cancellation: Cancellation::default(),
             ticket: admission.admit().unwrap(),
         };
-        Job::new(plan, terms, Box::new(|_| {}))
+        Job::new(plan, context, Box::new(|_| {}))
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Lines that are requests, and lines that are not.
 
 use super::*;
-use crate::protocol::Kind;
+use crate::protocol::{ErrorKind, ErrorObject};
 
 fn bad(line: &[u8]) -> BadRequest {
     match Request::parse(line) {
@@ -73,7 +73,7 @@ fn an_id_is_an_integer_a_short_string_or_null() {
     ] {
         let bad = parsed(text).unwrap_err();
         assert_eq!(bad.id, Id::Null, "{text}");
-        assert_eq!(bad.fault.kind(), Kind::InvalidRequest, "{text}");
+        assert_eq!(bad.fault.kind(), ErrorKind::InvalidRequest, "{text}");
     }
 }
 
@@ -197,11 +197,10 @@ fn a_line_that_is_no_request_says_why_and_keeps_what_could_be_read() {
         let bad = bad(line.as_bytes());
         assert_eq!(bad.id, Id::Integer(id), "{line}");
         assert_eq!(bad.attach_bytes, attach_bytes, "{line}");
-        let fault = Fault::InvalidRequest {
-            message: message.to_owned(),
-            path: Some(path.to_owned()),
-        };
-        assert_eq!(bad.fault, fault, "{line}");
+        let error = ErrorObject::from(bad.fault);
+        assert_eq!(error.kind(), Some(ErrorKind::InvalidRequest), "{line}");
+        assert_eq!(error.message, message, "{line}");
+        assert_eq!(error.detail("path"), Some(&path.into()), "{line}");
     }
 }
 
@@ -209,13 +208,13 @@ fn a_line_that_is_no_request_says_why_and_keeps_what_could_be_read() {
 fn a_list_is_told_to_pipeline_and_other_values_are_no_request() {
     for line in ["[]", r#"[{"jsonrpc":"2.0","method":"a","id":1}]"#] {
         let bad = bad(line.as_bytes());
-        assert_eq!(bad.fault.kind(), Kind::InvalidRequest);
+        assert_eq!(bad.fault.kind(), ErrorKind::InvalidRequest);
         let message = bad.fault.to_string();
         assert!(message.contains("one request to a line"), "{message}");
     }
     for line in ["7", "null", "true", "\"GET\"", "-1.5"] {
         let bad = bad(line.as_bytes());
-        assert_eq!(bad.fault.kind(), Kind::InvalidRequest, "{line}");
+        assert_eq!(bad.fault.kind(), ErrorKind::InvalidRequest, "{line}");
         let message = bad.fault.to_string();
         assert!(
             message.starts_with("expected a request, which is an object"),
@@ -285,7 +284,7 @@ fn broken_json_has_a_position_and_keeps_what_stood_before_it() {
     for (line, id, attach_bytes, message) in cases {
         let bad = bad(line);
         let line = line.escape_ascii();
-        assert_eq!(bad.fault.kind(), Kind::ParseError, "{line}");
+        assert_eq!(bad.fault.kind(), ErrorKind::ParseError, "{line}");
         assert_eq!(bad.fault.to_string(), message, "{line}");
         assert_eq!((bad.id, bad.attach_bytes), (id, attach_bytes), "{line}");
     }

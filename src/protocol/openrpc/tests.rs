@@ -1,7 +1,7 @@
 //! The document against the types.
 
 use super::*;
-use crate::protocol::blob::{ArrayTransport, Blob, Numbers, Picture, PictureTransport};
+use crate::protocol::blob::{ArrayTransport, Blob, Dtype, Picture, PictureTransport};
 use crate::protocol::frame::{Frame, FrameParams};
 use crate::protocol::mesh::{Topology, Vertices, VerticesParams};
 use crate::protocol::pose::{PoseSetParams, PoseSetResult, StoredPose, Transforms};
@@ -276,12 +276,12 @@ fn pictures_fit_their_schema_and_wrong_ones_do_not() {
     let png = Picture::Png {
         width: 1,
         height: 1,
-        file: vec![1, 2, 3],
+        file: vec![1, 2, 3].into(),
     };
     let bare = Picture::Rgba8 {
         width: 1,
         height: 1,
-        pixels: vec![0; 4],
+        pixels: vec![0; 4].into(),
     };
     for (picture, transport, place) in [
         (png.clone(), PictureTransport::Base64, "/images/color/data"),
@@ -322,8 +322,10 @@ fn arrays_fit_their_schema_and_wrong_ones_do_not() {
         ArrayTransport::Attach,
     ] {
         let mut attachments = Attachments::default();
-        let points = Numbers::Float32(vec![0.5; 3]);
-        let points = Blob::array(points, &[1, 3], transport, &mut attachments);
+        let mut array = |dtype, bytes: Vec<u8>| {
+            Blob::array(dtype, bytes.into(), &[1, 3], transport, &mut attachments)
+        };
+        let points = array(Dtype::Float32, 0.5_f32.to_le_bytes().repeat(3));
         let vertices = json!({
             "meshes": [{"name": "skin", "vertex_count": 1, "positions": points}],
             "bounds": {"min": [0.0, 0.0, 0.0], "max": [1.0, 1.0, 1.0]},
@@ -339,8 +341,7 @@ fn arrays_fit_their_schema_and_wrong_ones_do_not() {
                 "/clamped/0/used",
             ],
         );
-        let triangles = Numbers::Uint32(vec![0, 1, 2]);
-        let triangles = Blob::array(triangles, &[1, 3], transport, &mut attachments);
+        let triangles = array(Dtype::Uint32, [0_u32, 1, 2].map(u32::to_le_bytes).concat());
         let topology = json!({
             "meshes": [{"name": "skin", "vertex_count": 3, "triangle_count": 1, "material": null, "parts": [{"triangle_count": 1, "material": null}], "triangles": triangles}],
         });

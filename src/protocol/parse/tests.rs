@@ -18,11 +18,11 @@ fn parsed<T: DeserializeOwned>(text: &str) -> Result<T, Fault> {
 /// Each is the text of the parameters, the path of the fault, and its message.
 fn check<T: DeserializeOwned + std::fmt::Debug>(cases: &[(&str, &str, &str)]) {
     for (text, expected_path, expected_message) in cases {
-        let Fault::InvalidParams { path, message } = parsed::<T>(text).unwrap_err() else {
+        let Fault::InvalidParams(fault) = parsed::<T>(text).unwrap_err() else {
             panic!("{text} gave another fault")
         };
-        assert_eq!(&path, expected_path, "{text}");
-        assert_eq!(&message, expected_message, "{text}");
+        assert_eq!(&fault.path.to_string(), expected_path, "{text}");
+        assert_eq!(&fault.message, expected_message, "{text}");
     }
 }
 
@@ -39,6 +39,11 @@ fn a_fault_in_a_frame_request_has_its_path_and_says_what_was_expected() {
             r#"{"rig":"a","rigg":1}"#,
             "rigg",
             "unknown field `rigg`; did you mean `rig`?",
+        ),
+        (
+            r#"{"rig":"a","eye":1}"#,
+            "eye",
+            "unknown field `eye`; expected one of `rig`, `pose`, `skinning`, `show`, `camera`, `lights`, `ambient`, `material`, `background`, `cull`, `size`, `samples`, `out…",
         ),
         (
             r#"{"rig":"a","camera":{"kind":"orbit","fovy":1}}"#,
@@ -443,7 +448,6 @@ fn a_message_repeats_only_so_much_of_the_request() {
         let fault = parsed::<FrameParams>(&text).unwrap_err().to_string();
         assert!(fault.len() < 1000, "{} bytes", fault.len());
     }
-    assert_eq!(shortened(&"é".repeat(200)).chars().count(), 81);
 }
 
 #[test]

@@ -22,7 +22,6 @@ use crate::rig::{Mesh, Opacity, Part};
 use crate::scene::{Bounds, Scene};
 use bytemuck::Zeroable;
 use fearless_simd::dispatch;
-use glam::Vec3;
 use std::ops::Range;
 
 /// What there is to draw.
@@ -340,10 +339,8 @@ impl<'a> Lists<'a> {
                     continue;
                 }
                 // Where no box is known beforehand, the vertices themselves tell.
-                let bounds = cull::reach(instance.skin(), mesh).or_else(|| {
-                    let skinned = skin.positions[own.clone()].iter();
-                    Bounds::of(skinned.map(|position| Vec3::from_array(*position).as_dvec3()))
-                });
+                let bounds = cull::reach(instance.skin(), mesh)
+                    .or_else(|| Bounds::of_positions(skin.positions[own.clone()].as_flattened()));
                 self.meshes.push(SkinMesh {
                     at: [index, mesh_index],
                     instance,

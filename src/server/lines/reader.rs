@@ -1,4 +1,4 @@
-//! From a stream of bytes to bounded lines and the raw bytes between them.
+//! From a stream of bytes to bounded lines and the raw bytes between them. Never lives here: what is in a line.
 
 use std::io::{self, ErrorKind, Read};
 use std::time::{Duration, Instant};
@@ -27,7 +27,7 @@ enum Filled {
 }
 
 /// Reads a client's bytes, never keeping more than a limit allows.
-pub(super) struct Lines<R> {
+pub(super) struct LineReader<R> {
     stream: R,
     buffer: Vec<u8>,
     /// What stands before this in `buffer` has been given away.
@@ -48,7 +48,7 @@ pub(super) enum Wait {
 /// What one read can bring.
 const CHUNK: usize = 64 << 10;
 
-impl<R: Read> Lines<R> {
+impl<R: Read> LineReader<R> {
     /// The stream's reads are to time out, so that `wait` is asked now and then.
     pub fn new(stream: R, line_limit: usize, stalled: Duration) -> Self {
         Self {
@@ -190,15 +190,15 @@ mod tests {
         }
     }
 
-    fn lines(pieces: &[&str], limit: usize) -> Lines<Pieces> {
+    fn lines(pieces: &[&str], limit: usize) -> LineReader<Pieces> {
         let pieces = pieces
             .iter()
             .map(|piece| piece.as_bytes().to_vec())
             .collect();
-        Lines::new(Pieces(pieces), limit, Duration::from_secs(1))
+        LineReader::new(Pieces(pieces), limit, Duration::from_secs(1))
     }
 
-    fn all(mut lines: Lines<Pieces>) -> Vec<Next> {
+    fn all(mut lines: LineReader<Pieces>) -> Vec<Next> {
         let mut found = Vec::new();
         loop {
             let next = lines.next_line(&|| Wait::GoOn, &|_| {});
@@ -242,7 +242,7 @@ mod tests {
         // A client that is gone or silent has not said that this was all.
         for kind in [ErrorKind::ConnectionReset, ErrorKind::WouldBlock] {
             let stream = b"half".chain(Failing(kind));
-            let mut reader = Lines::new(stream, 10, Duration::ZERO);
+            let mut reader = LineReader::new(stream, 10, Duration::ZERO);
             assert_eq!(
                 reader.next_line(&|| Wait::GoOn, &|_| {}),
                 Next::End,
