@@ -13,7 +13,7 @@ use rigd::scene::{
     Background, Bounds, Camera, Color, Cull, LookAt, Near, Ray, Samples, Scene, Show, Size, Surface,
 };
 use std::sync::Arc;
-use support::oracle::Random;
+use support::random::Random;
 
 const SIZE: Size = Size {
     width: 97,

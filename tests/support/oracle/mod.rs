@@ -10,7 +10,6 @@ mod read_mit;
 pub mod smooth;
 mod words;
 
-pub use compare::Random;
 pub use dual_quaternion::Signs;
 pub use matrix::Vector;
 
