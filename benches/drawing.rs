@@ -9,13 +9,13 @@ mod capsule;
 
 use capsule::{Capsule, USUAL};
 use rigd::encode::{Compression, png};
-use rigd::engine::{Engine, LoadedRig, RendererChoice, Terms, Urgency};
+use rigd::engine::{Engine, FrameQuery, LoadedRig, RendererChoice, Terms, Urgency};
 use rigd::formats::{File, FileRef, Source, load};
 use rigd::limits::Limits;
 use rigd::pose::{Pose, PoseEdit, Posed, Skinning};
 use rigd::render::cpu::skin_mesh;
 use rigd::scene::{
-    Background, Camera, Cull, Light, Orbit, Samples, Scene, Shape, Show, Size, Surface, VertexQuery,
+    Appearance, Background, Camera, Light, Orbit, Samples, Scene, Shape, Size, VertexQuery,
 };
 use std::fmt::Write;
 use std::num::NonZeroUsize;
@@ -82,6 +82,11 @@ impl Side {
     }
 
     /// Seconds a request takes, over so many.
+    fn color(&self, posed: Arc<Posed>, scene: Scene) -> FrameQuery {
+        let appearance = Appearance::default();
+        FrameQuery::color(&self.rig, posed, Skinning::Linear, appearance, scene)
+    }
+
     fn run(&self, ask: &Ask, requests: usize) -> f64 {
         let (sender, receiver) = sync_channel(self.in_flight);
         let start = |index: usize| {
@@ -96,6 +101,7 @@ impl Side {
                 Ask::Vertices => {
                     let meshes = self.rig.rig.meshes().iter().enumerate();
                     let queries = meshes.map(|(mesh, of_mesh)| VertexQuery {
+                        instance: 0,
                         mesh,
                         start: 0,
                         count: of_mesh.vertex_count(),
@@ -117,32 +123,19 @@ impl Side {
                     );
                 }
                 Ask::Png(scene) => {
-                    self.engine.render(
-                        &self.rig,
-                        posed,
-                        Skinning::Linear,
-                        scene,
-                        terms,
-                        move |found| {
-                            let file =
-                                png(&found.expect("a frame").0, Compression::Fast).expect("a PNG");
+                    self.engine
+                        .render(self.color(posed, scene), terms, move |found| {
+                            let image = &found.expect("a frame").0.images[0];
+                            let file = png(image, Compression::Fast).expect("a PNG");
                             sender.send(file.len()).expect("the loop waits");
-                        },
-                    );
+                        });
                 }
                 Ask::Pixels(scene) => {
-                    self.engine.render(
-                        &self.rig,
-                        posed,
-                        Skinning::Linear,
-                        scene,
-                        terms,
-                        move |found| {
-                            sender
-                                .send(found.expect("a frame").0.pixels.len())
-                                .expect("the loop waits");
-                        },
-                    );
+                    self.engine
+                        .render(self.color(posed, scene), terms, move |found| {
+                            let image = &found.expect("a frame").0.images[0];
+                            sender.send(image.bytes.len()).expect("the loop waits");
+                        });
                 }
             }
         };
@@ -171,10 +164,7 @@ fn scene(rig: &LoadedRig, side: u32, closeness: f64) -> Scene {
         camera: Camera::orbit(orbit, &rig.extents.bounds(), size).expect("a camera"),
         lights: Light::default_pair(),
         ambient: Scene::DEFAULT_AMBIENT,
-        surface: Surface::default(),
         background: Background::default(),
-        show: Show::default(),
-        cull: Cull::Auto,
     }
 }
 

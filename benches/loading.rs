@@ -105,6 +105,7 @@ fn to_device(engine: &Engine, character: &Character) -> Duration {
         let rig = Arc::clone(&loaded.expect("it loads").rig);
         let posed = Arc::new(Posed::new(&Pose::rest(&rig)).expect("the rest pose"));
         let query = VertexQuery {
+            instance: 0,
             mesh: 0,
             start: 0,
             count: 1,

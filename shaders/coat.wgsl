@@ -1,4 +1,4 @@
-// Stages 2 and 3, raster and shade, of skin that is coated with a material of its own. In: skinned vertices in world space, texture
+// Stages 2 and 3, raster and shade, of skin that is coated with a material of its own. In: skinned vertices in model space, texture
 // coordinates, vertex colors, the coat. Out: premultiplied linear RGBA, one sample or four.
 // CPU twins: `render/cpu/raster.rs`, `interpolate.rs`, `texture.rs` and `shade.rs`; the rules stand in `render/plan.rs`.
 
@@ -46,12 +46,14 @@ struct Vertex {
 
 @vertex
 fn coated_vertex(
-    @location(0) position_in_world: vec3<f32>,
-    @location(1) normal_in_world: vec3<f32>,
+    @location(0) position_in_model: vec3<f32>,
+    @location(1) normal_in_model: vec3<f32>,
     @location(2) texcoord: vec2<f32>,
     @location(3) color: vec4<f32>,
 ) -> Vertex {
-    let position_in_clip = view.clip_from_world * vec4(position_in_world, 1.0);
+    let position_in_clip = instance.clip_from_model * vec4(position_in_model, 1.0);
+    let position_in_world = in_world(position_in_model);
+    let normal_in_world = turned_to_world(normal_in_model);
     return Vertex(position_in_clip, position_in_world, normal_in_world, position_in_clip.w, position_in_clip, texcoord, color);
 }
 
@@ -73,9 +75,9 @@ fn coated_fragment(vertex: Vertex, rasterized: Rasterized) -> @location(0) vec4<
         let p = at_place(vertex.position_in_world, shaded);
         let smooth_normal = at_place(vertex.normal_in_world, shaded);
         let back_to_eye = toward_eye(p);
-        let is_flat = (coat.is_flat | view.flat_normals) == 1u;
+        let is_flat = (coat.is_flat | instance.flat_normals) == 1u;
         var n = normal_seen(smooth_normal, vertex.position_in_world, rasterized.is_front, back_to_eye, is_flat);
-        if coat.normal_scale != 0.0 && view.flat_normals == 0u {
+        if coat.normal_scale != 0.0 && instance.flat_normals == 0u {
             n = mapped(n, vertex.position_in_world, place(coat.normal_place, from_above));
         }
         color = reflected(p, n, back_to_eye, diffuse, coat.specular, coat.shininess);
@@ -87,7 +89,7 @@ fn coated_fragment(vertex: Vertex, rasterized: Rasterized) -> @location(0) vec4<
     if alpha < coat.least_alpha {
         discard;
     }
-    let opacity = view.opacity * select(1.0, clamp(alpha, 0.0, 1.0), coat.is_translucent == 1u);
+    let opacity = instance.opacity * select(1.0, clamp(alpha, 0.0, 1.0), coat.is_translucent == 1u);
     return vec4(clamp(color, vec3(0.0), vec3(1.0)) * opacity, opacity);
 }
 

@@ -3,25 +3,33 @@
 // Threads of one compute workgroup along its only dimension.
 const WORKGROUP: u32 = 64u;
 
-// Mirrored by `gpu/layout.rs`; a test compares every offset.
+// Mirrored by `render/view.rs`; a test compares every offset.
 struct View {
-    clip_from_world: mat4x4<f32>,
     // The eye's position (w = 1), or the direction back to it where it is infinitely far (w = 0).
     eye_in_world: vec4<f32>,
-    size_pixels: vec2<f32>,
-    light_count: u32,
-    // 1: light each triangle by its own normal.
-    flat_normals: u32,
     ambient: vec3<f32>,
-    shininess: f32,
+    light_count: u32,
+    size_pixels: vec2<f32>,
+    lights: array<Light, 16>,
+}
+
+// Mirrored by `render/instance_params.rs`; a test compares every offset.
+struct InstanceParams {
+    clip_from_model: mat4x4<f32>,
+    // Rows of the affine map.
+    world_from_model: array<vec4<f32>, 3>,
+    // Rows of the map of normals; the fourth numbers are 0.
+    world_from_model_normal: array<vec4<f32>, 3>,
     diffuse: vec3<f32>,
     opacity: f32,
     specular: vec3<f32>,
-    // Smallest squared distance that an inverse-square light is divided by.
-    least_distance_squared: f32,
+    shininess: f32,
     // What textures are multiplied by.
     textured_diffuse: vec3<f32>,
-    lights: array<Light, 16>,
+    // 1: light each triangle by its own normal.
+    flat_normals: u32,
+    // Smallest squared distance that an inverse-square light is divided by.
+    least_distance_squared: f32,
 }
 
 struct Light {

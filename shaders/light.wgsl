@@ -1,6 +1,19 @@
 // The lighting equation, Blinn-Phong; it stands in words in `render/plan.rs`. For every stage that draws lit surfaces.
 
 @group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<uniform> instance: InstanceParams;
+
+fn in_world(position_in_model: vec3<f32>) -> vec3<f32> {
+    let p = vec4(position_in_model, 1.0);
+    let rows = instance.world_from_model;
+    return vec3(dot(rows[0], p), dot(rows[1], p), dot(rows[2], p));
+}
+
+// Of any length.
+fn turned_to_world(normal_in_model: vec3<f32>) -> vec3<f32> {
+    let rows = instance.world_from_model_normal;
+    return vec3(dot(rows[0].xyz, normal_in_model), dot(rows[1].xyz, normal_in_model), dot(rows[2].xyz, normal_in_model));
+}
 
 fn toward_eye(p: vec3<f32>) -> vec3<f32> {
     return normalize(view.eye_in_world.xyz - p * view.eye_in_world.w);
@@ -33,9 +46,9 @@ fn normal_seen(
     return unit_normal(n, back_to_eye);
 }
 
-// Of the picture's own surface, which gives off nothing by itself.
+// Of the instance's own surface, which gives off nothing by itself.
 fn blinn_phong(p: vec3<f32>, n: vec3<f32>, back_to_eye: vec3<f32>, diffuse: vec3<f32>) -> vec3<f32> {
-    return clamp(reflected(p, n, back_to_eye, diffuse, view.specular, view.shininess), vec3(0.0), vec3(1.0));
+    return clamp(reflected(p, n, back_to_eye, diffuse, instance.specular, instance.shininess), vec3(0.0), vec3(1.0));
 }
 
 // Not clamped.
@@ -56,7 +69,7 @@ fn reflected(
         let l = to_light * select(0.0, inverseSqrt(distance_squared), distance_squared > 0.0);
         let n_dot_l = dot(n, l);
         if n_dot_l > 0.0 {
-            let falloff = select(1.0, max(distance_squared, view.least_distance_squared), light.radiance.w == 1.0);
+            let falloff = select(1.0, max(distance_squared, instance.least_distance_squared), light.radiance.w == 1.0);
             let inside = clamp(dot(l, light.cone.xyz) + light.cone.w, 0.0, 1.0);
             let halfway = l + back_to_eye;
             let halfway_squared = dot(halfway, halfway);

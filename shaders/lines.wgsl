@@ -1,7 +1,8 @@
-// Lines of constant width in pixels, drawn as quads: native lines differ between drivers. In: each segment six times, in world space.
+// Lines of constant width in pixels, drawn as quads: native lines differ between drivers. In: each segment six times, in model space.
 // Out: its flat color.
 
 @group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<uniform> instance: InstanceParams;
 
 struct Corner {
     @builtin(position) position_in_clip: vec4<f32>,
@@ -14,13 +15,13 @@ const LEAST_W: f32 = 1e-6;
 @vertex
 fn line_vertex(
     @builtin(vertex_index) index: u32,
-    @location(0) from_in_world: vec3<f32>,
+    @location(0) from_in_model: vec3<f32>,
     @location(1) width_pixels: f32,
-    @location(2) to_in_world: vec3<f32>,
+    @location(2) to_in_model: vec3<f32>,
     @location(3) color: vec3<f32>,
 ) -> Corner {
-    var from_in_clip = view.clip_from_world * vec4(from_in_world, 1.0);
-    var to_in_clip = view.clip_from_world * vec4(to_in_world, 1.0);
+    var from_in_clip = instance.clip_from_model * vec4(from_in_model, 1.0);
+    var to_in_clip = instance.clip_from_model * vec4(to_in_model, 1.0);
     // Distance inside the near plane: depth at most 1. A line that is wholly outside it draws nothing.
     let from_inside = from_in_clip.w - from_in_clip.z;
     let to_inside = to_in_clip.w - to_in_clip.z;

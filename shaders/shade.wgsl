@@ -1,4 +1,4 @@
-// Stages 2 and 3, raster and shade, of the skin. In: skinned vertices in world space. Out: premultiplied linear RGBA, one sample or four.
+// Stages 2 and 3, raster and shade, of the skin. In: skinned vertices in model space. Out: premultiplied linear RGBA, one sample or four.
 // CPU twins: `render/cpu/raster.rs`, `interpolate.rs`, `texture.rs` and `shade.rs`; the rules stand in `render/plan.rs`.
 
 @group(1) @binding(0) var texture: texture_2d<f32>;
@@ -24,29 +24,33 @@ struct TexturedVertex {
 }
 
 @vertex
-fn plain_vertex(@location(0) position_in_world: vec3<f32>, @location(1) normal_in_world: vec3<f32>) -> Vertex {
-    let position_in_clip = view.clip_from_world * vec4(position_in_world, 1.0);
+fn plain_vertex(@location(0) position_in_model: vec3<f32>, @location(1) normal_in_model: vec3<f32>) -> Vertex {
+    let position_in_clip = instance.clip_from_model * vec4(position_in_model, 1.0);
+    let position_in_world = in_world(position_in_model);
+    let normal_in_world = turned_to_world(normal_in_model);
     return Vertex(position_in_clip, position_in_world, normal_in_world, position_in_clip.w, position_in_clip);
 }
 
 @fragment
 fn plain_fragment(vertex: Vertex, rasterized: Rasterized) -> @location(0) vec4<f32> {
-    return lit(vertex, rasterized, view.diffuse);
+    return lit(vertex, rasterized, instance.diffuse);
 }
 
 @vertex
 fn textured_vertex(
-    @location(0) position_in_world: vec3<f32>,
-    @location(1) normal_in_world: vec3<f32>,
+    @location(0) position_in_model: vec3<f32>,
+    @location(1) normal_in_model: vec3<f32>,
     @location(2) texcoord: vec2<f32>,
 ) -> TexturedVertex {
-    let position_in_clip = view.clip_from_world * vec4(position_in_world, 1.0);
+    let position_in_clip = instance.clip_from_model * vec4(position_in_model, 1.0);
+    let position_in_world = in_world(position_in_model);
+    let normal_in_world = turned_to_world(normal_in_model);
     return TexturedVertex(position_in_clip, position_in_world, normal_in_world, position_in_clip.w, position_in_clip, texcoord);
 }
 
 @fragment
 fn textured_fragment(vertex: TexturedVertex, rasterized: Rasterized) -> @location(0) vec4<f32> {
-    let diffuse = view.textured_diffuse * sampled(vertex.texcoord);
+    let diffuse = instance.textured_diffuse * sampled(vertex.texcoord);
     let untextured = Vertex(
         vertex.position_in_clip,
         vertex.position_in_world,
@@ -78,7 +82,7 @@ fn lit(vertex: Vertex, rasterized: Rasterized, diffuse: vec3<f32>) -> vec4<f32> 
     let p = at_place(vertex.position_in_world, place);
     let smooth_normal = at_place(vertex.normal_in_world, place);
     let back_to_eye = toward_eye(p);
-    let is_flat = view.flat_normals == 1u;
+    let is_flat = instance.flat_normals == 1u;
     let n = normal_seen(smooth_normal, vertex.position_in_world, rasterized.is_front, back_to_eye, is_flat);
-    return vec4(blinn_phong(p, n, back_to_eye, diffuse) * view.opacity, view.opacity);
+    return vec4(blinn_phong(p, n, back_to_eye, diffuse) * instance.opacity, instance.opacity);
 }

@@ -1,4 +1,4 @@
-// Solids of a skeleton's view. In: their corners in world space. Out: lit linear RGB, opaque. Made by `render/solids.rs`.
+// Solids of a skeleton's view. In: their corners in model space. Out: lit linear RGB, opaque. Made by `render/solids.rs`.
 
 struct Vertex {
     @builtin(position) position_in_clip: vec4<f32>,
@@ -12,11 +12,13 @@ struct Vertex {
 
 @vertex
 fn solid_vertex(
-    @location(0) position_in_world: vec3<f32>,
-    @location(1) normal_in_world: vec3<f32>,
+    @location(0) position_in_model: vec3<f32>,
+    @location(1) normal_in_model: vec3<f32>,
     @location(2) color: vec3<f32>,
 ) -> Vertex {
-    let position_in_clip = view.clip_from_world * vec4(position_in_world, 1.0);
+    let position_in_clip = instance.clip_from_model * vec4(position_in_model, 1.0);
+    let position_in_world = in_world(position_in_model);
+    let normal_in_world = turned_to_world(normal_in_model);
     return Vertex(position_in_clip, position_in_world, normal_in_world, position_in_clip.w, position_in_clip, color);
 }
 

@@ -1,19 +1,62 @@
-//! What came out of a renderer: pixels and vertices, not yet encoded.
+//! What came out of a renderer: rasters and vertices, not yet encoded. The table of [kinds](ImageKind) says what a pixel of each is.
 
 use crate::scene::Size;
 use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A picture: RGBA8, sRGB, straight alpha, rows from the top, no padding.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Frame {
-    pub size: Size,
-    /// `4 * width * height` bytes.
-    pub pixels: Pixels,
+/// What the pixels of a raster tell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum ImageKind {
+    /// The lit picture.
+    Color,
 }
 
-/// Bytes of a picture.
-pub type Pixels = Pooled<u8>;
+/// How a pixel is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TexelFormat {
+    /// Red, green, blue and alpha, a byte each: sRGB, straight alpha.
+    Rgba8Srgb,
+}
+
+impl ImageKind {
+    pub fn texel_format(self) -> TexelFormat {
+        match self {
+            Self::Color => TexelFormat::Rgba8Srgb,
+        }
+    }
+
+    /// Of a raster of this kind.
+    pub fn bytes(self, size: Size) -> usize {
+        self.texel_format().bytes() * size.pixels()
+    }
+}
+
+impl TexelFormat {
+    /// Of one pixel.
+    pub fn bytes(self) -> usize {
+        match self {
+            Self::Rgba8Srgb => 4,
+        }
+    }
+}
+
+/// One value for each pixel of a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raster {
+    pub kind: ImageKind,
+    pub size: Size,
+    /// [As many](ImageKind::bytes) as the kind takes: rows from the top, without padding.
+    pub bytes: Pooled<u8>,
+}
+
+/// What a plan came to: all that it asked for, and nothing else.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Outputs {
+    /// One for each kind that was asked for, in the order of the kinds.
+    pub images: Vec<Raster>,
+    /// One for each query, in their order.
+    pub vertices: Vec<SkinnedVertices>,
+}
 
 /// A list whose memory goes back to where it came from once nobody looks at it any more.
 #[derive(Debug)]
@@ -116,9 +159,9 @@ impl<T> DerefMut for Pooled<T> {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SkinnedVertices {
     pub vertex_count: usize,
-    /// `3 * vertex_count` numbers in world space, where asked for.
+    /// `3 * vertex_count` numbers in model space, where asked for.
     pub positions: Option<Pooled<f32>>,
-    /// `3 * vertex_count` numbers, unit length, where asked for.
+    /// `3 * vertex_count` numbers in model space, of unit length, where asked for.
     pub normals: Option<Pooled<f32>>,
 }
 
@@ -135,7 +178,7 @@ mod tests {
         drop(first);
         assert_eq!(spare.take(64).as_ptr(), place);
         assert_eq!(spare.take(64).into_vec().len(), 64);
-        let many: Vec<Pixels> = (0..100).map(|_| spare.take(32)).collect();
+        let many: Vec<Pooled<u8>> = (0..100).map(|_| spare.take(32)).collect();
         drop(many);
         let huge = spare.take(Spare::<u8>::MOST_BYTES + 1);
         drop(huge);

@@ -1,7 +1,8 @@
 //! The code map of `rigd`, a daemon that keeps character rigs loaded, poses and skins them, and answers with pictures and vertices.
 //!
 //! # Rooms and arrows
-//! A room may name the rooms to its right and no other; `tests/map.rs` holds the source against this table.
+//! A room may name the rooms to its right and no other, and re-exports nothing of them. Files do not need each other in circles; those below
+//! a `mod.rs` may name what it declares. `tests/map` holds the source against all this.
 //!
 //! | room | may name | what lives there |
 //! |---|---|---|
@@ -40,7 +41,7 @@
 //! | `clap` `anyhow` `indicatif` `signal_hook` | [`cli`] |
 //! | `std::net` | [`server`] [`client`] |
 //! | `std::fs` | [`formats`] [`cli`] |
-//! | `libm` | [`pose`] [`scene`] [`rig`] [`formats`] [`render::cpu`] |
+//! | `libm` | [`pose`] [`scene`] [`rig`] [`formats`] [`render`] |
 //!
 //! `glam` and `thiserror` are at home everywhere.
 //!
@@ -52,12 +53,14 @@
 //! - The thread that owns the device never parses, compresses or touches a socket. Nothing unbounded is ever kept for a client.
 //! - [`render::cpu`] gives the same bytes for the same plan on every machine: sums in a written order, each operation rounded once.
 //! - An accepted request is answered exactly once, also when the device is lost, a client vanishes or the server stops.
-//! - Skinning happens once for a pose, into one buffer that pictures and queries read: both are of the same pose.
+//! - Skinning gives model space, the same for every instance of a pose; an instance's transform comes after it. Picture and vertices of one
+//!   plan are of the same skin, and where a picture skins a pose, queries read its vertices.
 
 #![forbid(unsafe_code)]
 // They panic where nobody reads on or a disk is full; `cli::terminal` does not.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod client;
 pub mod encode;

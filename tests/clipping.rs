@@ -7,13 +7,13 @@ use glam::{DVec2, DVec3, Vec3};
 use rigd::limits::Limits;
 use rigd::pose::{Pose, Posed, Skinning};
 use rigd::render::cpu::{Cores, Cpu, Spread};
-use rigd::render::{Outputs, Plan};
 use rigd::rig::{Draft, MeshDraft};
 use rigd::scene::{
-    Background, Bounds, Camera, Color, Cull, LookAt, Near, Ray, Samples, Scene, Show, Size, Surface,
+    Background, Bounds, Camera, Color, Cull, LookAt, Near, Ray, Samples, Show, Size, Surface,
 };
 use std::sync::Arc;
 use support::random::Random;
+use support::shot::Shot;
 
 const SIZE: Size = Size {
     width: 97,
@@ -102,7 +102,7 @@ fn drawn(camera: Camera, triangles: &[[DVec3; 3]]) -> Vec<u8> {
     };
     let rig = Arc::new(draft.build(&Limits::default()).expect("a rig"));
     let posed = Arc::new(Posed::new(&Pose::rest(&rig)).expect("a pose"));
-    let scene = Scene {
+    let scene = Shot {
         size: SIZE,
         samples: Samples::One,
         camera,
@@ -119,11 +119,11 @@ fn drawn(camera: Camera, triangles: &[[DVec3; 3]]) -> Vec<u8> {
         cull: Cull::Auto,
     };
     match Cpu::default().render(
-        &Plan::picture(posed, Skinning::Linear, scene, 1.0),
+        &scene.plan(posed, Skinning::Linear, 1.0),
         Spread::to_the_end(Cores::One),
     ) {
-        Some(Outputs::Picture(frame)) => frame.pixels.into_vec(),
-        _ => unreachable!("a picture was asked for"),
+        Some(outputs) => outputs.images[0].bytes.to_vec(),
+        None => unreachable!("it is wanted"),
     }
 }
 

@@ -4,10 +4,11 @@ mod support;
 
 use rigd::engine::{Engine, EngineError, LoadedRig, Terms, Urgency};
 use rigd::formats::Source;
+use rigd::frame::Outputs;
 use rigd::limits::Limits;
 use rigd::pose::{Pose, PoseEdit, Posed, Skinning};
+use rigd::render::Plan;
 use rigd::render::gpu::Gpu;
-use rigd::render::{Outputs, Plan};
 use rigd::scene::{
     Background, Camera, Cull, Light, Orbit, Samples, Scene, Shape, Show, ShowNormals, ShowSkeleton,
     ShowSkin, Size, Surface, VertexQuery,
@@ -15,6 +16,7 @@ use rigd::scene::{
 use serde_json::json;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
+use support::shot::Shot;
 use support::{ask, ask_ok};
 
 #[test]
@@ -86,7 +88,7 @@ fn mixed_plans(rig: &LoadedRig) -> Vec<Plan> {
                 ..Orbit::default()
             };
             let show = Show::new(ShowSkin::Posed, skeleton, ShowNormals::Smooth, opacity);
-            let scene = Scene {
+            let scene = Shot {
                 size,
                 samples,
                 camera: Camera::orbit(orbit, &rig.extents.bounds(), size).expect("a camera"),
@@ -99,10 +101,11 @@ fn mixed_plans(rig: &LoadedRig) -> Vec<Plan> {
             };
             let skinning = [Skinning::Linear, Skinning::DualQuaternion][index % 2];
             let posed = Arc::clone(&poses[index % poses.len()]);
-            Plan::picture(posed, skinning, scene, rig.extents.bounds().size())
+            scene.plan(posed, skinning, rig.extents.bounds().size())
         };
     let vertices = |index: usize, start: usize, count: usize, positions: bool, normals: bool| {
         let query = VertexQuery {
+            instance: 0,
             mesh: 0,
             start,
             count,
@@ -196,6 +199,7 @@ fn a_plan_that_is_refused_takes_no_other_with_it() {
     let posed = Arc::new(Posed::new(&Pose::rest(&rig.rig)).expect("the rest pose"));
     let ask = |index: usize, count: usize| {
         let query = VertexQuery {
+            instance: 0,
             mesh: 0,
             start: 0,
             count,

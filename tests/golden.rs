@@ -27,7 +27,7 @@ fn accepts() -> bool {
 }
 
 fn golden(file: &str) -> PathBuf {
-    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden")).join(file)
+    support::places::repository("tests/golden").join(file)
 }
 
 /// Compares with `tests/golden/<name>.png`. Where they differ, what was drawn and the difference are written below `target`.
@@ -42,7 +42,7 @@ fn check(name: &str, found: &Image) -> Result<(), String> {
     if accepted.as_ref() == Some(found) {
         return Ok(());
     }
-    let written = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("golden");
+    let written = support::places::output("golden");
     found.write(&written.join(format!("{name}.actual.png")));
     if let Some(accepted) = accepted.filter(|it| it.size() == found.size()) {
         difference(&accepted, found).write(&written.join(format!("{name}.difference.png")));

@@ -19,10 +19,11 @@ use rigd::render::Plan;
 use rigd::render::cpu::Cores;
 use rigd::render::gpu::Gpu;
 use rigd::rig::{Draft, Highlight, Material, Opacity};
-use rigd::scene::{Background, Samples, Scene};
+use rigd::scene::{Background, Samples};
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 use support::pictures::{Image, encoded};
 use support::quads::{Quad, by_gpu, draft, own, painted, plan, quad, scene};
+use support::shot::Shot;
 
 static GPU: LazyLock<Option<Mutex<Gpu>>> =
     LazyLock::new(|| support::adapters::gpu_on(&support::adapters::wgpu_adapter()).map(Mutex::new));
@@ -44,7 +45,7 @@ type Pixel = ([usize; 2], [u8; 4]);
 
 /// Either renderer shows these pixels. Rounding may fall either way, but not where a channel is nothing or all.
 #[track_caller]
-fn assert_shown(what: &str, draft: Draft, scene: Scene, wanted: impl IntoIterator<Item = Pixel>) {
+fn assert_shown(what: &str, draft: Draft, scene: Shot, wanted: impl IntoIterator<Item = Pixel>) {
     let images = drawn(&plan(draft, scene));
     for ([x, y], wanted) in wanted {
         for (renderer, image) in &images {
@@ -63,7 +64,7 @@ fn assert_shown(what: &str, draft: Draft, scene: Scene, wanted: impl IntoIterato
 
 /// Either renderer shows this in the middle of a picture of these squares.
 #[track_caller]
-fn assert_middle(what: &str, quads: &[Quad], scene: Scene, wanted: [u8; 4]) {
+fn assert_middle(what: &str, quads: &[Quad], scene: Shot, wanted: [u8; 4]) {
     let middle = [scene.size.width, scene.size.height].map(|side| side as usize / 2);
     assert_shown(what, draft(quads), scene, [(middle, wanted)]);
 }
@@ -94,12 +95,12 @@ fn over(layers: &[[f64; 4]]) -> [u8; 4] {
 }
 
 /// In even white light before black, five pixels to a side.
-fn small() -> Scene {
+fn small() -> Shot {
     scene([5, 5], Samples::Four)
 }
 
-fn before(background: [f64; 4], scene: Scene) -> Scene {
-    Scene {
+fn before(background: [f64; 4], scene: Shot) -> Shot {
+    Shot {
         background: Background::new(background).expect("a color"),
         ..scene
     }

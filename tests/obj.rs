@@ -7,7 +7,6 @@ use rigd::limits::Limits;
 use rigd::service::Service;
 use serde_json::{Value, json};
 use std::io::Cursor;
-use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 use support::alike::{self, share_of_all};
 use support::pictures::{draw, over};
@@ -123,13 +122,9 @@ fn see_through(service: &Arc<Service>) -> Value {
     )
 }
 
-fn case_path(name: &str) -> PathBuf {
-    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases/course");
-    cases.join(name)
-}
-
+/// The text of a file of `tests/cases/course`.
 fn case(name: &str) -> String {
-    std::fs::read_to_string(case_path(name)).expect("a case of the repository")
+    String::from_utf8(support::case_bytes(&format!("course/{name}"))).expect("it is text")
 }
 
 /// Even white light from everywhere, so that a pixel is its color.
@@ -278,8 +273,7 @@ fn vertices_have_colors_of_their_own() {
 
 #[test]
 fn what_is_beside_an_obj_is_found_and_told_in_its_digest() {
-    let folder = case_path("");
-    let source = Source::rooted(&folder).expect("a folder");
+    let source = Source::rooted(&support::case_path("course")).expect("a folder");
     let service = support::service_with(Limits::default(), source);
     let by_path = |file: &str| {
         let files = json!({"name": "of", "replace": true, "files": [file]});
@@ -316,7 +310,7 @@ fn what_is_beside_an_obj_is_found_and_told_in_its_digest() {
 
 #[test]
 fn cases_load_with_one_warning_for_each_oddity() {
-    let source = Source::rooted(&case_path("")).expect("a folder");
+    let source = Source::rooted(&support::case_path("course")).expect("a folder");
     let service = support::service_with(Limits::default(), source);
     for (file, wanted) in [
         ("nul_at_end.obj", 1),

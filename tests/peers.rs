@@ -33,7 +33,7 @@ impl Model {
     fn reed() -> Self {
         Self {
             name: "reed".to_owned(),
-            file: PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/gltf/reed.glb")),
+            file: support::places::repository("assets/gltf/reed.glb"),
             beside: Vec::new(),
         }
     }
@@ -136,7 +136,7 @@ struct Wanted {
 
 impl Wanted {
     fn of(model: &Model, peers: &Path) -> Self {
-        let out = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("peers");
+        let out = support::places::output("peers");
         std::fs::create_dir_all(&out).expect("a folder of the tests' own");
         // Tests run beside each other, some with the same model.
         let thread = std::thread::current();
@@ -259,7 +259,7 @@ fn peers() -> Option<&'static Path> {
 }
 
 fn installed() -> Result<PathBuf, String> {
-    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peers/three"));
+    let folder = support::places::repository("tests/peers/three");
     for (program, arguments) in [
         ("node", &["--version"][..]),
         (
@@ -365,7 +365,7 @@ fn the_validator_finds_nothing_wrong_with_our_model() {
 #[test]
 fn the_rules_that_we_know_are_those_of_the_validator() {
     let Some(peers) = peers() else { return };
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("rules");
+    let folder = support::places::output("rules");
     std::fs::create_dir_all(&folder).expect("a folder of the tests' own");
     let written = RULES.iter().enumerate().map(|(index, rule)| {
         let mut gltf = good();

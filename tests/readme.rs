@@ -1,6 +1,6 @@
 //! Do the README's examples do what it says, and is its picture what the program draws?
 
-#[path = "../examples/contact_sheet.rs"]
+#[path = "../examples/contact_sheet/src/main.rs"]
 #[allow(dead_code, reason = "its main writes the picture")]
 mod contact_sheet;
 mod support;
@@ -36,7 +36,7 @@ fn example(language: &str, port: u16) -> String {
 
 /// An empty folder for an example.
 fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let folder = support::places::output(name);
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).expect("a folder for the example");
     folder
@@ -89,7 +89,7 @@ impl Drop for Daemon {
 impl Terminal {
     fn new(name: &str) -> Self {
         let folder = folder(name);
-        let assets = concat!(env!("CARGO_MANIFEST_DIR"), "/assets");
+        let assets = support::places::repository("assets");
         std::os::unix::fs::symlink(assets, folder.join("assets")).expect("a link");
         let daemon = None;
         Self { folder, daemon }
@@ -216,7 +216,7 @@ fn every_command_works_as_written() {
         assert!(!blocks.is_empty(), "{name}");
         blocks.iter().for_each(|block| terminal.type_in(block));
     }
-    let drawn = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme-console");
+    let drawn = support::places::output("readme-console");
     assert_eq!(size_of(&drawn.join("arm.png")), (256, 256));
     for name in ["drake.png", "bear.png"] {
         let drawn = image::open(drawn.join(name)).expect("a picture");
@@ -246,9 +246,7 @@ fn the_picture_is_what_the_example_draws() {
 
 /// Whether this is the picture that the README shows.
 fn assert_shown(name: &str, drawn: &image::RgbaImage) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("docs/images")
-        .join(name);
+    let path = support::places::repository("docs/images").join(name);
     let shown = image::open(path).expect("the picture").into_rgba8();
     assert_eq!(drawn.dimensions(), shown.dimensions(), "{name}");
     let differs = |(a, b): &(&image::Rgba<u8>, &image::Rgba<u8>)| {

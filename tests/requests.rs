@@ -84,7 +84,7 @@ fn load(service: &Arc<Service>, name: &str) -> Value {
 
 /// A folder with a rig in it, and beside it a file that nobody may have.
 fn root() -> PathBuf {
-    let base = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("requests");
+    let base = support::places::output("requests");
     let root = base.join("root");
     std::fs::create_dir_all(root.join("arm")).expect("a folder of the tests' own");
     std::fs::write(root.join("arm/arm.skel"), ARM).expect("it can be written");

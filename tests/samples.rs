@@ -17,8 +17,8 @@ const SAMPLES: [(&str, &str, &[&str]); 2] = [
     ("bear.py", "mit6837/bear", &BEAR),
 ];
 
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
+fn root() -> PathBuf {
+    support::places::repository("")
 }
 
 fn loaded(folder: &str, files: &[&str]) -> Loaded {
@@ -47,7 +47,7 @@ fn meaning(path: &Path) -> Vec<u8> {
 #[test]
 fn the_files_are_what_the_scripts_write() {
     for (script, folder, files) in SAMPLES {
-        let written = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(script);
+        let written = support::places::output(script);
         let _ = std::fs::remove_dir_all(&written);
         let status = Command::new("python3")
             .arg("-B")

@@ -4,12 +4,12 @@
 use crate::scenes::{Shots, Subject};
 use crate::wire::drain;
 use rigd::encode::{Compression, png};
-use rigd::engine::{AdapterKind, Engine, Terms, Urgency};
-use rigd::frame::{Frame, SkinnedVertices};
+use rigd::engine::{AdapterKind, Engine, FrameQuery, Terms, Urgency};
+use rigd::frame::{Outputs, Raster, SkinnedVertices};
 use rigd::pose::{Posed, Skinning};
+use rigd::render::Plan;
 use rigd::render::cpu::{Cores, Cpu, Spread};
-use rigd::render::{Outputs, Plan};
-use rigd::scene::{Shape, VertexQuery};
+use rigd::scene::{Appearance, Shape, VertexQuery};
 use std::io::Write;
 use std::net::TcpStream;
 use std::sync::Arc;
@@ -46,7 +46,8 @@ impl<'a> Floor<'a> {
         let plan = |index| {
             let size = subject.loaded.extents.bounds().size();
             let scene = shots.scene(subject, index);
-            Plan::picture(shots.posed(subject, index), Skinning::Linear, scene, size)
+            let posed = shots.posed(subject, index);
+            Plan::picture(posed, Skinning::Linear, Appearance::default(), scene, size)
         };
         match self {
             Self::Bare { cpu, pool } if in_flight == 1 => timed(count, || {
@@ -62,13 +63,14 @@ impl<'a> Floor<'a> {
                 });
             }),
             Self::Engine(engine) => in_engine(in_flight, count, |index, sender| {
-                let done = move |found: Result<(Frame, _), _>| {
-                    encode(&found.expect("a frame").0);
+                let done = move |found: Result<(Outputs, _), _>| {
+                    encode(&found.expect("a frame").0.images[0]);
                     sender();
                 };
                 let (posed, scene) = (shots.posed(subject, index), shots.scene(subject, index));
-                let loaded = &subject.loaded;
-                engine.render(loaded, posed, Skinning::Linear, scene, terms(engine), done);
+                let (loaded, appearance) = (&subject.loaded, Appearance::default());
+                let query = FrameQuery::color(loaded, posed, Skinning::Linear, appearance, scene);
+                engine.render(query, terms(engine), done);
             }),
         }
     }
@@ -177,22 +179,22 @@ fn terms(engine: &Engine) -> Terms {
     }
 }
 
-fn picture(cpu: &Cpu, plan: &Plan, cores: Cores) -> Frame {
+fn picture(cpu: &Cpu, plan: &Plan, cores: Cores) -> Raster {
     match cpu.render(plan, Spread::to_the_end(cores)) {
-        Some(Outputs::Picture(frame)) => frame,
-        _ => unreachable!("a picture was asked for"),
+        Some(mut outputs) => outputs.images.remove(0),
+        None => unreachable!("it is wanted"),
     }
 }
 
 fn skinned(cpu: &Cpu, posed: Arc<Posed>, queries: Vec<VertexQuery>) -> Vec<SkinnedVertices> {
     let plan = Plan::vertices(posed, Skinning::Linear, Shape::Posed, queries);
     match cpu.render(&plan, Spread::to_the_end(Cores::One)) {
-        Some(Outputs::Vertices(vertices)) => vertices,
-        _ => unreachable!("vertices were asked for"),
+        Some(outputs) => outputs.vertices,
+        None => unreachable!("it is wanted"),
     }
 }
 
-fn encode(frame: &Frame) {
+fn encode(frame: &Raster) {
     let file = png(frame, Compression::Fast).expect("a PNG");
     std::hint::black_box(file);
 }

@@ -5,9 +5,7 @@ use rigd::engine::{Base, Engine, LoadedRig};
 use rigd::formats::{FileRef, Source};
 use rigd::limits::Limits;
 use rigd::pose::{Pose, PoseEdit, Posed};
-use rigd::scene::{
-    Background, Camera, Cull, Light, Orbit, Samples, Scene, Show, Size, Surface, VertexQuery,
-};
+use rigd::scene::{Background, Camera, Light, Orbit, Samples, Scene, Size, VertexQuery};
 use std::sync::Arc;
 
 /// A loaded rig, its stored pose a little bent, all of its morph targets at work.
@@ -65,6 +63,7 @@ impl Subject {
         let meshes = self.loaded.rig.meshes().iter().enumerate();
         meshes
             .map(|(mesh, of_mesh)| VertexQuery {
+                instance: 0,
                 mesh,
                 start: 0,
                 count: of_mesh.vertex_count(),
@@ -132,10 +131,7 @@ impl Shots {
             camera: Camera::orbit(orbit, &subject.loaded.extents.bounds(), size).expect("a camera"),
             lights: Light::default_pair(),
             ambient: Scene::DEFAULT_AMBIENT,
-            surface: Surface::default(),
             background: Background::default(),
-            show: Show::default(),
-            cull: Cull::default(),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Angles as users type them, and as they are told of them: in the unit that was typed. Never lives here: limits of a rig.
 
-use super::values::finite;
+use super::numbers::{finite, rounded};
 use crate::scene::FOV_Y_RADIANS;
 use std::str::FromStr;
 
@@ -48,17 +48,6 @@ impl Unit {
 
 /// Moves a number that is to be rounded up or down, but for one that is off a round one by the error of a conversion.
 const ALMOST_HALF: f64 = 0.5 - 1e-9;
-
-/// A length or a weight with as many decimals as are of use to a reader.
-pub(super) fn decimal(number: f64) -> String {
-    rounded(number, 4)
-}
-
-fn rounded(number: f64, decimals: usize) -> String {
-    let text = format!("{number:.decimals$}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0" } else { text }.to_owned()
-}
 
 impl Angle {
     /// What is odd about a number without a unit that would be a common one in degrees.

@@ -9,6 +9,7 @@ mod exit;
 mod files;
 mod inspect;
 mod local;
+mod numbers;
 mod render;
 mod serve;
 mod terminal;

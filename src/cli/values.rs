@@ -2,6 +2,7 @@
 //! can take them.
 
 use super::angle::Angle;
+use super::numbers::finite;
 use crate::encode::FrameRate;
 use crate::protocol::camera::{DirectionalLight, Falloff, Light, PointLight};
 use crate::scene::CAMERA_DISTANCES;
@@ -282,28 +283,6 @@ pub(super) fn address(text: &str) -> Result<String, String> {
         .filter(|(host, port)| !host.is_empty() && !port.is_empty())
         .map(|_| text.to_owned())
         .ok_or_else(|| format!("expected HOST:PORT such as 127.0.0.1:7443, but found `{text}`"))
-}
-
-/// A number that is one.
-pub(super) fn number(text: &str) -> Result<f64, String> {
-    finite(text, "a number", text)
-}
-
-/// A number above 0.
-pub(super) fn positive(text: &str) -> Result<f64, String> {
-    let expected = || format!("expected a number above 0, but found `{text}`");
-    Some(finite(text, "a number above 0", text)?)
-        .filter(|number| *number > 0.0)
-        .ok_or_else(expected)
-}
-
-pub(super) fn finite(number: &str, expected: &str, text: &str) -> Result<f64, String> {
-    let parsed = number
-        .trim()
-        .parse::<f64>()
-        .ok()
-        .filter(|number| number.is_finite());
-    parsed.ok_or_else(|| format!("expected {expected}, but found `{text}`"))
 }
 
 #[cfg(test)]

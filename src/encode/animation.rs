@@ -1,6 +1,6 @@
 //! What animated files have in common: how long a frame is shown, and what can go wrong. Never lives here: a format.
 
-use crate::frame::Frame;
+use crate::frame::Raster;
 use crate::scene::Size;
 
 /// Frames a second.
@@ -29,7 +29,7 @@ fn size(size: &Size) -> String {
 }
 
 /// All frames of a file are of one size.
-pub(super) fn same_size(expected: Size, frame: &Frame) -> Result<(), AnimationError> {
+pub(super) fn same_size(expected: Size, frame: &Raster) -> Result<(), AnimationError> {
     if frame.size == expected {
         return Ok(());
     }

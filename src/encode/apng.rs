@@ -2,7 +2,7 @@
 
 use super::animation::{AnimationError, FrameRate, same_size};
 use super::png::Compression;
-use crate::frame::Frame;
+use crate::frame::Raster;
 use crate::scene::Size;
 use png::{BitDepth, ColorType, Encoder, Filter, SrgbRenderingIntent, Writer};
 use std::io::Write;
@@ -47,9 +47,9 @@ impl<W: Write> AnimatedPng<W> {
 
     /// # Errors
     /// Where the frame is not of the size of the file, there are more than promised, or `out` fails.
-    pub fn push(&mut self, frame: &Frame) -> Result<(), AnimationError> {
+    pub fn push(&mut self, frame: &Raster) -> Result<(), AnimationError> {
         same_size(self.size, frame)?;
-        Ok(self.writer.write_image_data(&frame.pixels)?)
+        Ok(self.writer.write_image_data(&frame.bytes)?)
     }
 
     /// Writes the end of the file, and flushes it.
@@ -64,22 +64,24 @@ impl<W: Write> AnimatedPng<W> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::ImageKind;
 
     const SIZE: Size = Size {
         width: 7,
         height: 5,
     };
 
-    fn frame(seed: usize) -> Frame {
+    fn frame(seed: usize) -> Raster {
         let pixels = (0..SIZE.pixels() * 4).map(|i| ((i + seed) * 37 % 251) as u8);
-        Frame {
+        Raster {
             size: SIZE,
-            pixels: pixels.collect::<Vec<u8>>().into(),
+            kind: ImageKind::Color,
+            bytes: pixels.collect::<Vec<u8>>().into(),
         }
     }
 
     fn file(
-        frames: &[Frame],
+        frames: &[Raster],
         promised: u32,
         compression: Compression,
     ) -> Result<Vec<u8>, AnimationError> {
@@ -106,7 +108,7 @@ mod tests {
             for frame in &frames {
                 let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
                 reader.next_frame(&mut pixels).unwrap();
-                assert_eq!(pixels[..], frame.pixels[..]);
+                assert_eq!(pixels[..], frame.bytes[..]);
                 let control = reader.info().frame_control.unwrap();
                 assert_eq!((control.delay_num, control.delay_den), (1, 24));
                 assert_eq!(control.blend_op, png::BlendOp::Source);

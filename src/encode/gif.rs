@@ -3,7 +3,7 @@
 use super::animation::{AnimationError, FrameRate, same_size};
 use super::palette::Indexed;
 use super::png::Compression;
-use crate::frame::Frame;
+use crate::frame::Raster;
 use crate::scene::Size;
 use gif::{DisposalMethod, Encoder, Repeat};
 use std::borrow::Cow;
@@ -63,13 +63,13 @@ impl<W: Write> AnimatedGif<W> {
 
     /// # Errors
     /// Where the frame is not of the size of the file, or `out` fails.
-    pub fn push(&mut self, frame: &Frame) -> Result<(), AnimationError> {
+    pub fn push(&mut self, frame: &Raster) -> Result<(), AnimationError> {
         same_size(self.size, frame)?;
         let Indexed {
             palette,
             transparent,
             indices,
-        } = Indexed::new(&frame.pixels, self.compression);
+        } = Indexed::new(&frame.bytes, self.compression);
         let written = gif::Frame {
             delay: self.rate.hundredths(self.written),
             // What is not there in the next frame must not show this one.
@@ -99,6 +99,7 @@ impl<W: Write> AnimatedGif<W> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::ImageKind;
 
     const SIZE: Size = Size {
         width: 40,
@@ -106,7 +107,7 @@ mod tests {
     };
 
     /// A ramp of more colors than a GIF has, on a plain ground with a hole in it.
-    fn frame(blue: u8) -> Frame {
+    fn frame(blue: u8) -> Raster {
         let pixel = |i: u32| {
             let (x, y) = (i % SIZE.width, i / SIZE.width);
             match (x, y) {
@@ -115,9 +116,10 @@ mod tests {
                 _ => [(x * 6) as u8, (y * 8) as u8, blue, 255],
             }
         };
-        Frame {
+        Raster {
             size: SIZE,
-            pixels: (0..SIZE.width * SIZE.height)
+            kind: ImageKind::Color,
+            bytes: (0..SIZE.width * SIZE.height)
                 .flat_map(pixel)
                 .collect::<Vec<u8>>()
                 .into(),
@@ -125,7 +127,7 @@ mod tests {
     }
 
     fn file(
-        frames: &[Frame],
+        frames: &[Raster],
         fps: f64,
         compression: Compression,
     ) -> Result<Vec<u8>, AnimationError> {
@@ -151,7 +153,7 @@ mod tests {
                 let read = decoder.read_next_frame().unwrap().unwrap();
                 delays.push(read.delay);
                 let mut sum = 0;
-                for (was, is) in frame.pixels.chunks(4).zip(read.buffer.chunks(4)) {
+                for (was, is) in frame.bytes.chunks(4).zip(read.buffer.chunks(4)) {
                     assert_eq!(is[3], if was[3] < 128 { 0 } else { 255 });
                     if was == [19, 23, 31, 255] {
                         assert_eq!(was, is, "the ground keeps its color");

@@ -65,12 +65,3 @@ impl From<RenderError> for EngineError {
         }
     }
 }
-
-impl EngineError {
-    /// A renderer that answered another question than it was asked.
-    pub(super) fn mismatched() -> Self {
-        Self::Internal {
-            reason: "the renderer answered with something else".to_owned(),
-        }
-    }
-}

@@ -4,6 +4,7 @@ mod admission;
 mod error;
 mod extents;
 mod pool;
+mod query;
 mod recent;
 mod store;
 mod worker;
@@ -12,22 +13,23 @@ pub use crate::render::{AdapterChoice, AdapterInfo, AdapterKind, Backend};
 pub use admission::{Admission, AttachedBytes, HeldBytes, Share, Ticket};
 pub use error::EngineError;
 pub use extents::Extents;
+pub use query::{Character, FrameQuery, PickQuery};
 pub use store::{LoadedRig, RigRef};
 pub use worker::{Timings, Urgency};
 
 use crate::formats::{self, FileRef, Source};
-use crate::frame::{Frame, SkinnedVertices};
+use crate::frame::{Outputs, SkinnedVertices};
 use crate::limits::Limits;
 use crate::pick::{self, Hit, Targets};
 use crate::pose::{Clamped, Pose, PoseEdit, Posed, Skinning};
-use crate::render::{self, Capabilities, Outputs, Plan, turn_outward};
-use crate::scene::{BoneRadius, Cull, Ray, Scene, Shape, VertexQuery};
+use crate::render::{self, Capabilities, Plan, Skin, turn_outward};
+use crate::scene::{Shape, VertexQuery};
 use pool::Pool;
 use std::num::NonZeroUsize;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use store::Store;
-use worker::{Job, Worker};
+use worker::{Job, Opened};
 
 /// Which renderer to open.
 #[derive(Debug, Clone, Default)]
@@ -42,21 +44,6 @@ pub struct RendererChoice {
 /// Everything that can be drawn with, best first.
 pub fn adapters(threads: Option<NonZeroUsize>) -> Vec<AdapterInfo> {
     render::adapters(Pool::threads(threads))
-}
-
-/// What a ray is asked to meet.
-#[derive(Debug, Clone, Copy)]
-pub struct PickQuery {
-    pub ray: Ray,
-    pub bones: bool,
-    /// `None` leaves each bone as thick as it is drawn.
-    pub bone_radius: Option<BoneRadius>,
-    /// The form of the skin that can be met, if any of it can.
-    pub skin: Option<Shape>,
-    /// Whether the backs of single-sided skin can be met as well.
-    pub cull: Cull,
-    /// Index into the rig's variants, which say what is single-sided.
-    pub variant: Option<usize>,
 }
 
 /// On what terms a job is taken on.
@@ -104,7 +91,8 @@ pub struct Engine {
     store: Store,
     /// Held while files become a rig: loads in progress would otherwise each take as much memory as all rigs together may.
     loading: Mutex<()>,
-    worker: Worker,
+    opened: Opened,
+    pool: Arc<Pool>,
     admission: Arc<Admission>,
     limits: Limits,
 }
@@ -118,11 +106,13 @@ impl Engine {
         let pool = Pool::new(choice.threads).map_err(|error| EngineError::Internal {
             reason: error.to_string(),
         })?;
-        let worker = Worker::open(choice, pool)?;
+        let pool = Arc::new(pool);
+        let opened = worker::open(&choice, &pool)?;
         Ok(Self {
             store: Store::new(limits),
             loading: Mutex::new(()),
-            worker,
+            opened,
+            pool,
             admission: Arc::new(Admission::new(&limits)),
             limits,
         })
@@ -133,11 +123,11 @@ impl Engine {
     }
 
     pub fn adapter(&self) -> &AdapterInfo {
-        self.worker.adapter()
+        &self.opened.adapter
     }
 
     pub fn capabilities(&self) -> Capabilities {
-        self.worker.capabilities()
+        self.opened.capabilities
     }
 
     pub fn admission(&self) -> &Arc<Admission> {
@@ -146,12 +136,12 @@ impl Engine {
 
     /// Device memory in use.
     pub fn gpu_bytes(&self) -> u64 {
-        self.worker.gpu_bytes()
+        self.opened.worker.gpu_bytes()
     }
 
     /// For how long the graphics device was at work since the start, by its own clock; zero where it has none.
     pub fn gpu_busy(&self) -> Duration {
-        self.worker.gpu_busy()
+        self.opened.worker.gpu_busy()
     }
 
     /// Reads files and keeps the rig under `name`, or under the first file's stem.
@@ -169,7 +159,7 @@ impl Engine {
         let loaded = formats::load(files, source, &self.limits)?;
         self.capabilities().accept_rig(&loaded.rig)?;
         let kept = self.store.keep(name, loaded, replace)?;
-        self.worker.sweep();
+        self.opened.worker.sweep();
         Ok(kept)
     }
 
@@ -177,7 +167,7 @@ impl Engine {
     /// [`EngineError::RigNotLoaded`].
     pub fn unload(&self, rig: &str) -> Result<(), EngineError> {
         self.store.remove(rig)?;
-        self.worker.sweep();
+        self.opened.worker.sweep();
         Ok(())
     }
 
@@ -227,31 +217,22 @@ impl Engine {
 
     /// How many threads draw on the CPU, encode, and do what [`Engine::spawn`] is given.
     pub fn thread_count(&self) -> usize {
-        self.worker.pool().thread_count()
+        self.pool.thread_count()
     }
 
     /// Runs `work` on one of those threads some time soon. How much waits is up to the caller.
     pub fn spawn(&self, work: impl FnOnce() + Send + 'static) {
-        self.worker.pool().spawn(work);
+        self.pool.spawn(work);
     }
 
-    /// Draws `posed`, a pose of `loaded`. `done` runs on a pool thread, exactly once, whatever happens.
+    /// Draws a picture. `done` runs on a pool thread, exactly once, whatever happens.
     pub fn render(
         &self,
-        loaded: &LoadedRig,
-        posed: Arc<Posed>,
-        skinning: Skinning,
-        scene: Scene,
+        query: FrameQuery,
         terms: Terms,
-        done: impl FnOnce(Result<(Frame, Timings), EngineError>) + Send + 'static,
+        done: impl FnOnce(Result<(Outputs, Timings), EngineError>) + Send + 'static,
     ) {
-        let plan = Plan::picture(posed, skinning, scene, loaded.extents.bounds().size());
-        self.run(plan, terms, move |result| {
-            done(result.and_then(|(outputs, timings)| match outputs {
-                Outputs::Picture(frame) => Ok((frame, timings)),
-                Outputs::Vertices(_) => Err(EngineError::mismatched()),
-            }));
-        });
+        self.run(query.into(), terms, done);
     }
 
     /// Skins `posed` and copies out what `queries` ask for, all of it inside its meshes. `done` as for [`Engine::render`].
@@ -264,19 +245,9 @@ impl Engine {
         terms: Terms,
         done: impl FnOnce(Result<(Vec<SkinnedVertices>, Timings), EngineError>) + Send + 'static,
     ) {
-        let asked = queries.clone();
         let plan = Plan::vertices(posed, skinning, shape, queries);
-        let instance = plan.instances[0].clone();
         self.run(plan, terms, move |result| {
-            done(result.and_then(|(outputs, timings)| match outputs {
-                Outputs::Vertices(mut vertices) => {
-                    for (query, skinned) in asked.iter().zip(&mut vertices) {
-                        turn_outward(&instance, query, skinned);
-                    }
-                    Ok((vertices, timings))
-                }
-                Outputs::Picture(_) => Err(EngineError::mismatched()),
-            }));
+            done(result.map(|(outputs, timings)| (outputs.vertices, timings)));
         });
     }
 
@@ -319,6 +290,7 @@ impl Engine {
         };
         let queries = rig.meshes().iter().enumerate();
         let queries = queries.map(|(mesh, of_mesh)| VertexQuery {
+            instance: 0,
             mesh,
             start: 0,
             // A hit's normal is that of the surface as it is drawn.
@@ -345,12 +317,25 @@ impl Engine {
         terms: Terms,
         done: impl FnOnce(Result<(Outputs, Timings), EngineError>) + Send + 'static,
     ) {
-        self.worker.take(Job::new(plan, terms, Box::new(done)));
+        let skins = plan.vertices.iter();
+        let skins = skins.map(|query| plan.instances[query.instance].skin().clone());
+        let queried: Vec<(VertexQuery, Skin)> = plan.vertices.iter().copied().zip(skins).collect();
+        let done = move |result: Result<(Outputs, Timings), EngineError>| {
+            done(result.map(|(mut outputs, timings)| {
+                for ((query, skin), skinned) in queried.iter().zip(&mut outputs.vertices) {
+                    turn_outward(skin, query, skinned);
+                }
+                (outputs, timings)
+            }));
+        };
+        self.opened
+            .worker
+            .take(Job::new(plan, terms, Box::new(done)));
     }
 
     /// Destroys the device, to see what a driver's crash would do.
     #[doc(hidden)]
     pub fn lose_device(&self) {
-        self.worker.lose_device();
+        self.opened.worker.lose_device();
     }
 }

@@ -42,7 +42,8 @@ fn rig(meshes: Vec<MeshDraft>, bindings: &[Option<usize>]) -> Arc<Rig> {
     };
     let binding = |&joint: &Option<usize>| BindingDraft {
         joint,
-        stood: BindPose::BindFromJoint(DAffine3::IDENTITY),
+        file: None,
+        bind_pose: BindPose::BindFromJoint(DAffine3::IDENTITY),
     };
     let draft = Draft {
         joints: (0..3).map(joint).collect(),

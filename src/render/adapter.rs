@@ -1,5 +1,6 @@
 //! Which renderer to use, and what it says of itself. Never lives here: finding out what there is.
 
+use crate::frame::ImageKind;
 use crate::limits::LimitExceeded;
 use crate::pose::SkinDualQuaternion;
 use crate::rig::Rig;
@@ -174,10 +175,10 @@ impl Capabilities {
     }
 
     /// # Errors
-    /// Where a picture of this size is larger than the adapter draws.
-    pub fn accept_size(&self, size: Size) -> Result<(), LimitExceeded> {
+    /// Where a raster of this kind and size is larger than the adapter draws.
+    pub fn accept_raster(&self, kind: ImageKind, size: Size) -> Result<(), LimitExceeded> {
         hold(SIDE, self.side, size.width.max(size.height).into())?;
-        self.accept_bytes(4 * size.pixels() as u64)
+        self.accept_bytes(kind.bytes(size) as u64)
     }
 
     fn accept_bytes(&self, bytes: u64) -> Result<(), LimitExceeded> {

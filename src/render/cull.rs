@@ -2,11 +2,11 @@
 //! wholly before the camera, seen from outside. Leaving that out saves half of the work and changes no picture, but where a pose turns
 //! skin inside out.
 
-use super::Instance;
+use super::{Instance, Skin};
 use crate::pose::Palette;
 use crate::rig::{Mesh, Part, Sides};
-use crate::scene::{Bounds, Camera, Cull, Scene};
-use glam::{DVec3, DVec4};
+use crate::scene::{Bounds, Camera, Cull};
+use glam::{DMat4, DVec3, DVec4};
 use std::ops::Range;
 
 /// Of a triangle, as its corners run around on the picture.
@@ -29,23 +29,30 @@ pub(super) struct Piece {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Culling {
     is_asked_for: bool,
-    is_mirrored: bool,
     hides_its_inside: bool,
+    /// Whether the side of a triangle is the other one in the world than in the file.
+    is_turned_over: bool,
+    /// Whether the instance's transform is what turns it over.
+    is_mirrored: bool,
     /// Of the rig, which says what parts are made of.
     variant: Option<usize>,
 }
 
 impl Culling {
-    /// `bounds` are those of the mesh's posed vertices, or larger; `None` where they are not known.
-    pub fn of(instance: &Instance, mesh: &Mesh, scene: &Scene, bounds: Option<Bounds>) -> Self {
-        let is_mirrored = instance.mirrors(mesh);
-        let is_seen_from_outside = bounds.is_some_and(|bounds| is_ahead(&bounds, &scene.camera));
-        let is_opaque = scene.show.skin_opacity() == 1.0;
+    /// `bounds` are those of the mesh's posed vertices in model space, or larger; `None` where they are not known.
+    pub fn of(instance: &Instance, mesh: &Mesh, camera: &Camera, bounds: Option<Bounds>) -> Self {
+        let appearance = instance.appearance();
+        let clip_from_model = instance.clip_from_model(camera.clip_from_world());
+        let is_seen_from_outside = bounds.is_some_and(|bounds| is_ahead(&bounds, clip_from_model));
+        let is_opaque = !instance.is_translucent();
+        let skin_mirrors = instance.skin().mirrors(mesh);
+        let is_mirrored = instance.world_from_model().matrix3.determinant() < 0.0;
         Self {
-            is_asked_for: scene.cull == Cull::Auto,
+            is_asked_for: appearance.cull == Cull::Auto,
+            hides_its_inside: is_opaque && is_seen_from_outside && !skin_mirrors,
+            is_turned_over: skin_mirrors != is_mirrored,
             is_mirrored,
-            hides_its_inside: is_opaque && is_seen_from_outside && !is_mirrored,
-            variant: scene.surface.variant,
+            variant: appearance.surface.variant,
         }
     }
 
@@ -53,22 +60,22 @@ impl Culling {
     pub fn pieces(self, part: &Part) -> impl Iterator<Item = Piece> + use<> {
         let Range { start, end } = part.triangles;
         let piece = |triangles, culled| Piece { triangles, culled };
+        let backs_of = |count, is_turned_over| {
+            let (first, second) = if is_turned_over {
+                (Side::Front, Side::Back)
+            } else {
+                (Side::Back, Side::Front)
+            };
+            [
+                piece(start..start + count, Some(first)),
+                piece(start + count..end, Some(second)),
+            ]
+        };
         let halves = match part.look(self.variant).sides {
-            Sides::Outside { count } if self.is_asked_for && self.hides_its_inside => [
-                piece(start..start + count, Some(Side::Back)),
-                piece(start + count..end, Some(Side::Front)),
-            ],
-            Sides::Front { count } if self.is_asked_for => {
-                let (first, second) = if self.is_mirrored {
-                    (Side::Front, Side::Back)
-                } else {
-                    (Side::Back, Side::Front)
-                };
-                [
-                    piece(start..start + count, Some(first)),
-                    piece(start + count..end, Some(second)),
-                ]
+            Sides::Outside { count } if self.is_asked_for && self.hides_its_inside => {
+                backs_of(count, self.is_mirrored)
             }
+            Sides::Front { count } if self.is_asked_for => backs_of(count, self.is_turned_over),
             Sides::Both | Sides::Outside { .. } | Sides::Front { .. } => {
                 [piece(start..end, None), piece(end..end, None)]
             }
@@ -79,19 +86,18 @@ impl Culling {
 }
 
 /// Wholly beyond the near plane, and so before the eye.
-fn is_ahead(bounds: &Bounds, camera: &Camera) -> bool {
-    let clip_from_world = camera.clip_from_world();
+fn is_ahead(bounds: &Bounds, clip_from_model: DMat4) -> bool {
     bounds.corners().all(|corner| {
-        let DVec4 { z, w, .. } = clip_from_world * corner.extend(1.0);
+        let DVec4 { z, w, .. } = clip_from_model * corner.extend(1.0);
         // Not so for what is no number either.
         z < w
     })
 }
 
-/// A box that no vertex of `mesh` leaves, found without skinning one: what follows a binding lies in its box, and where a vertex follows
+/// A box in model space that no vertex of `mesh` leaves, found without skinning one: what follows a binding lies in its box, and where a vertex follows
 /// several it lies between. `None` for ways of skinning of which that is not so.
-pub(super) fn reach(instance: &Instance, mesh: &Mesh) -> Option<Bounds> {
-    let Palette::Linear(palette) = instance.palette() else {
+pub(super) fn reach(skin: &Skin, mesh: &Mesh) -> Option<Bounds> {
+    let Palette::Linear(palette) = skin.palette() else {
         return None;
     };
     if mesh.has_negative_weights() {
@@ -100,7 +106,7 @@ pub(super) fn reach(instance: &Instance, mesh: &Mesh) -> Option<Bounds> {
     let morphed = mesh
         .morph_reach()
         .iter()
-        .map(|&(morph, furthest)| f64::from(instance.morph_weights()[morph].abs() * furthest))
+        .map(|&(morph, furthest)| f64::from(skin.morph_weights()[morph].abs() * furthest))
         .sum();
     let followers = mesh.followers().iter().map(|followers| {
         let rows = palette[followers.binding as usize].rows;

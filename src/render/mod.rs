@@ -1,13 +1,15 @@
-//! From a [`Plan`] to [`Outputs`]. `gpu` and `cpu` are twins that never name each other.
+//! From a [`Plan`] to [`Outputs`](crate::frame::Outputs). `gpu` and `cpu` are twins that never name each other.
 //! Never lives here: sockets, files, encoders.
 
 mod adapter;
 mod coat;
 pub mod cpu;
 mod cull;
+mod error;
 pub mod gpu;
+mod instance;
+mod instance_params;
 mod order;
-mod outputs;
 mod outward;
 mod plan;
 mod renderer;
@@ -16,9 +18,10 @@ mod solids;
 mod view;
 
 pub use adapter::{AdapterChoice, AdapterError, AdapterInfo, AdapterKind, Backend, Capabilities};
-pub use outputs::{Outputs, RenderError};
+pub use error::RenderError;
+pub use instance::{Instance, Skin};
 pub use outward::turn_outward;
-pub use plan::{Instance, Picture, Plan, Wanted};
+pub use plan::{ImagePlan, Plan};
 pub use renderer::{Renderer, adapters};
 pub use skeleton::{Segment, SkeletonView};
 pub use solids::{SolidVertex, Solids};

@@ -1,6 +1,6 @@
 //! In which order surfaces that blend are drawn. Never lives here: what is drawn of them.
 
-use super::{Plan, Wanted};
+use super::Plan;
 use crate::rig::Opacity;
 use crate::scene::Camera;
 use glam::DVec3;
@@ -17,19 +17,19 @@ pub(super) struct PartPlace {
 /// distance of their middle from the eye, where that is the same in their own order.
 pub(super) fn blending_parts(plan: &Plan, into: &mut Vec<(f64, PartPlace)>) {
     into.clear();
-    let Wanted::Picture(picture) = &plan.wanted else {
+    let Some(image) = &plan.image else {
         return;
     };
-    if picture.is_translucent() {
-        return;
-    }
-    for (instance, of_plan) in plan.shown_instances().iter().enumerate() {
+    let opaque = plan.drawn().filter(|(_, it)| !it.is_translucent());
+    for (instance, of_plan) in opaque {
         let rig = of_plan.rig();
         for (mesh, of_rig) in rig.meshes().iter().enumerate() {
             for (part, of_mesh) in of_rig.parts().iter().enumerate() {
-                let material = rig.material_of(of_mesh, picture.scene.surface.variant);
+                let material = rig.material_of(of_mesh, of_plan.appearance().surface.variant);
                 if material.is_some_and(|material| material.opacity == Opacity::Blend) {
-                    let distance = distance(&picture.scene.camera, of_plan.center_of(of_mesh));
+                    let center_in_model = of_plan.skin().center_of(of_mesh);
+                    let center = of_plan.world_from_model().transform_point3(center_in_model);
+                    let distance = distance(&image.scene.camera, center);
                     into.push((
                         distance,
                         PartPlace {

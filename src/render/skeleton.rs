@@ -1,4 +1,4 @@
-//! Views of the skeleton as plain shapes in world space, which both renderers draw. Sizes come from the rig where its files give none.
+//! Views of the skeleton as plain shapes in model space, which both renderers draw. Sizes come from the rig where its files give none.
 //! Never lives here: pixels.
 
 use super::solids::{Fineness, SolidShape, Solids};
@@ -17,9 +17,9 @@ pub struct SkeletonView {
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Segment {
-    pub from_in_world: Vec3,
+    pub from_in_model: Vec3,
     pub width_pixels: f32,
-    pub to_in_world: Vec3,
+    pub to_in_model: Vec3,
     /// Linear RGB.
     pub color: Vec3,
 }
@@ -38,15 +38,15 @@ const BALL_RADII: f64 = 1.4;
 /// Where a format knows of no box, half the side of one, in ball radii: the ball just fits in.
 const BOX_RADII: f64 = 1.0;
 
-/// `rig_size` is that of the rest bounds, for joints that have no bone to be measured by.
-pub(super) fn view(posed: &Posed, how: ShowSkeleton, rig_size: f64) -> SkeletonView {
+/// `rest_size` is that of the rest bounds, for joints that have no bone to be measured by.
+pub(super) fn view(posed: &Posed, how: ShowSkeleton, rest_size: f64) -> SkeletonView {
     let mut view = SkeletonView::default();
     match how {
         ShowSkeleton::None => {}
         ShowSkeleton::Wireframe => view.lines = wireframe(posed),
-        ShowSkeleton::Boxes => add_boxes(&mut view.solids, posed, rig_size),
+        ShowSkeleton::Boxes => add_boxes(&mut view.solids, posed, rest_size),
         ShowSkeleton::Sticks => {
-            add_balls(&mut view.solids, posed, rig_size);
+            add_balls(&mut view.solids, posed, rest_size);
             add_along_bones(&mut view.solids, posed, SolidShape::Taper);
         }
         ShowSkeleton::Cylinders => add_along_bones(&mut view.solids, posed, SolidShape::Cylinder),
@@ -57,16 +57,16 @@ pub(super) fn view(posed: &Posed, how: ShowSkeleton, rig_size: f64) -> SkeletonV
 /// A line along each bone, then a dot at each joint, so that a skeleton of one joint shows too.
 fn wireframe(posed: &Posed) -> Vec<Segment> {
     let bones = posed.bones().map(|bone| Segment {
-        from_in_world: bone.from.as_vec3(),
-        to_in_world: bone.to.as_vec3(),
+        from_in_model: bone.from.as_vec3(),
+        to_in_model: bone.to.as_vec3(),
         width_pixels: BONE_WIDTH_PIXELS,
         color: LINE_COLOR,
     });
     let dots = posed.world_from_joint().iter().map(|world_from_joint| {
         let at = world_from_joint.translation.as_vec3();
         Segment {
-            from_in_world: at,
-            to_in_world: at,
+            from_in_model: at,
+            to_in_model: at,
             width_pixels: JOINT_DOT_PIXELS,
             color: DOT_COLOR,
         }
@@ -74,8 +74,8 @@ fn wireframe(posed: &Posed) -> Vec<Segment> {
     bones.chain(dots).collect()
 }
 
-fn add_boxes(solids: &mut Solids, posed: &Posed, rig_size: f64) {
-    let radii = ball_radii(posed, rig_size);
+fn add_boxes(solids: &mut Solids, posed: &Posed, rest_size: f64) {
+    let radii = ball_radii(posed, rest_size);
     let joints = posed.rig().skeleton().joints().iter().zip(radii);
     for ((joint, radius), world_from_joint) in joints.zip(posed.world_from_joint()) {
         let half = DVec3::splat(BOX_RADII * radius);
@@ -92,8 +92,8 @@ fn add_boxes(solids: &mut Solids, posed: &Posed, rig_size: f64) {
     }
 }
 
-fn add_balls(solids: &mut Solids, posed: &Posed, rig_size: f64) {
-    let radii = ball_radii(posed, rig_size);
+fn add_balls(solids: &mut Solids, posed: &Posed, rest_size: f64) {
+    let radii = ball_radii(posed, rest_size);
     let ball = SolidShape::Ball(Fineness::for_balls(radii.len()));
     for (world_from_joint, radius) in posed.world_from_joint().iter().zip(radii) {
         let sized = DMat3::from_diagonal(DVec3::splat(radius));
@@ -103,7 +103,7 @@ fn add_balls(solids: &mut Solids, posed: &Posed, rig_size: f64) {
 }
 
 /// Of each joint: as the thickest bone that meets in it asks for.
-fn ball_radii(posed: &Posed, rig_size: f64) -> Vec<f64> {
+fn ball_radii(posed: &Posed, rest_size: f64) -> Vec<f64> {
     /// Of the rig's size, where there is no bone at all.
     const ALONE: f64 = 0.05;
     let mut thickest = vec![0.0f64; posed.world_from_joint().len()];
@@ -112,7 +112,7 @@ fn ball_radii(posed: &Posed, rig_size: f64) -> Vec<f64> {
             thickest[joint] = thickest[joint].max(bone.radius);
         }
     }
-    let size = if rig_size > 0.0 { rig_size } else { 1.0 };
+    let size = if rest_size > 0.0 { rest_size } else { 1.0 };
     // Where others of the skeleton have bones, a joint that has none is as large as they are.
     let usual = posed.rig().skeleton().bone_radius();
     let alone = usual.map_or(ALONE * size, |radius| BALL_RADII * radius);

@@ -1,10 +1,9 @@
-//! A picture's camera, lights and surface as numbers of 32 bits, which both renderers read. It mirrors `View` in
-//! `shaders/common.wgsl`; a test beside the other mirrors compares every offset.
+//! A picture's camera and lights as numbers of 32 bits, which both renderers read. It mirrors `View` in `shaders/common.wgsl`; a test
+//! beside the other mirrors compares every offset. Never lives here: what differs from instance to instance.
 
-use super::Picture;
-use crate::scene::{Color, Cone, Falloff, Light, ShowNormals, Surface};
+use crate::scene::{Cone, Falloff, Light, Scene};
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat4, Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 
 /// The length of `View::lights` in the shaders.
 pub(super) const LIGHTS: usize = 16;
@@ -13,19 +12,11 @@ pub(super) const LIGHTS: usize = 16;
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct View {
-    pub clip_from_world: Mat4,
     pub eye_in_world: Vec4,
-    pub size_pixels: Vec2,
-    pub light_count: u32,
-    pub flat_normals: u32,
     pub ambient: Vec3,
-    pub shininess: f32,
-    pub diffuse: Vec3,
-    pub opacity: f32,
-    pub specular: Vec3,
-    pub least_distance_squared: f32,
-    pub textured_diffuse: Vec3,
-    _padding: f32,
+    pub light_count: u32,
+    pub size_pixels: Vec2,
+    _padding: [f32; 2],
     pub lights: [ShaderLight; LIGHTS],
 }
 
@@ -38,27 +29,17 @@ pub(super) struct ShaderLight {
 }
 
 impl View {
-    pub(super) fn of(picture: &Picture) -> Self {
-        let scene = &picture.scene;
+    pub(super) fn of(scene: &Scene) -> Self {
         let mut lights = [ShaderLight::zeroed(); LIGHTS];
         for (slot, light) in lights.iter_mut().zip(&scene.lights) {
             *slot = ShaderLight::of(light);
         }
         Self {
-            clip_from_world: scene.camera.clip_from_world().as_mat4(),
             eye_in_world: scene.camera.eye().as_vec4(),
-            size_pixels: Vec2::new(scene.size.width as f32, scene.size.height as f32),
-            light_count: scene.lights.len().min(LIGHTS) as u32,
-            flat_normals: u32::from(scene.show.normals == ShowNormals::Flat),
             ambient: scene.ambient.rgb(),
-            shininess: scene.surface.shininess.unwrap_or(Surface::SHININESS),
-            diffuse: scene.surface.diffuse.unwrap_or(Surface::DIFFUSE).rgb(),
-            opacity: scene.show.skin_opacity(),
-            specular: scene.surface.specular.unwrap_or(Surface::SPECULAR).rgb(),
-            least_distance_squared: picture.least_distance_squared(),
-            // A texture has the color already.
-            textured_diffuse: scene.surface.diffuse.unwrap_or(Color::WHITE).rgb(),
-            _padding: 0.0,
+            light_count: scene.lights.len().min(LIGHTS) as u32,
+            size_pixels: Vec2::new(scene.size.width as f32, scene.size.height as f32),
+            _padding: [0.0; 2],
             lights,
         }
     }

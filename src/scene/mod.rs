@@ -143,7 +143,7 @@ impl Default for Background {
     }
 }
 
-/// The surface of everything drawn, for Blinn-Phong. What is given stands in place of what a file's material says.
+/// The surface of a character, for Blinn-Phong. What is given stands in place of what a file's material says.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Surface {
     /// Where neither gives it, [`Surface::DIFFUSE`], or white under a texture or colors of vertices.
@@ -306,7 +306,15 @@ impl Samples {
     }
 }
 
-/// Everything about a picture but the rig in it.
+/// How one character of a picture looks.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Appearance {
+    pub show: Show,
+    pub surface: Surface,
+    pub cull: Cull,
+}
+
+/// Everything about a picture but the characters in it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     pub size: Size,
@@ -315,10 +323,7 @@ pub struct Scene {
     /// At most [`Limits::lights`].
     pub lights: Vec<Light>,
     pub ambient: Color,
-    pub surface: Surface,
     pub background: Background,
-    pub show: Show,
-    pub cull: Cull,
 }
 
 impl Scene {

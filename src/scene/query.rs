@@ -14,6 +14,8 @@ pub enum Shape {
 /// A range of one mesh's vertices, inside the mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct VertexQuery {
+    /// Which of the characters that are asked about together, by its index.
+    pub instance: usize,
     pub mesh: usize,
     pub start: usize,
     pub count: usize,

@@ -2,21 +2,21 @@
 
 use super::answer::Answer;
 use super::batch::{Course, Items};
-use super::scene::of_skinning;
+use super::scene::{of_output, of_skinning};
 use super::{Call, describe, file_lights};
 use crate::encode::{self, Compression};
-use crate::engine::{RigRef, Terms};
-use crate::frame::Frame;
+use crate::engine::{FrameQuery, RigRef, Terms};
+use crate::frame::{ImageKind, Raster};
 use crate::pose::{Clamped, Posed};
 use crate::protocol::batch::{FrameBatch, FrameBatchParams, FrameChange, FrameReady};
 use crate::protocol::blob::{Blob, Picture, PictureTransport};
 use crate::protocol::camera::{Lights, NamedLights};
 use crate::protocol::frame as wire;
 use crate::protocol::{Attachments, Fault, Id};
-use crate::scene::{Camera, Scene, Size};
+use crate::scene::{Appearance, Camera, Scene, Size};
 use glam::DMat4;
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -89,13 +89,14 @@ impl Call {
     }
 
     fn subject(&self, params: &wire::FrameParams, found: &RigRef) -> Result<Subject, Fault> {
-        let mut scene = self.scene(params, &found.loaded)?;
+        let (mut scene, appearance) = self.scene(params, &found.loaded)?;
         let (posed, clamped) = self.posed(&params.pose, found)?;
         if let Some(Lights::Named(NamedLights::File)) = params.lights {
             scene.lights = file_lights::in_pose(&posed);
         }
         Ok(Subject {
             scene,
+            appearance,
             posed,
             clamped,
         })
@@ -112,11 +113,13 @@ impl Call {
     ) {
         let Subject {
             scene,
+            appearance,
             posed,
             clamped,
         } = subject;
         let vertices = posed.rig().vertex_count() as u64;
         let head = Head {
+            size: scene.size,
             camera: described(&scene.camera),
             digest: found.loaded.digest.clone(),
             clamped: describe::clamped(posed.rig(), &clamped),
@@ -124,31 +127,35 @@ impl Call {
         };
         let (image, compression) = (params.image, of_compression(params.compression));
         let stats = Arc::clone(&self.service.stats);
-        self.engine().render(
-            &found.loaded,
-            posed,
-            of_skinning(params.skinning),
-            scene,
-            terms,
-            move |result| {
-                done(result.map_err(Fault::from).and_then(|(frame, timings)| {
-                    let started = Instant::now();
-                    let picture = packed(frame, image, compression)?;
-                    let timings = stats.rendered(1, vertices, timings, started.elapsed());
-                    Ok(Done {
-                        head,
-                        picture,
-                        timings,
-                    })
-                }));
-            },
-        );
+        let skinning = of_skinning(params.skinning);
+        let query = FrameQuery {
+            outputs: kinds_of(params),
+            ..FrameQuery::color(&found.loaded, posed, skinning, appearance, scene)
+        };
+        self.engine().render(query, terms, move |result| {
+            done(result.map_err(Fault::from).and_then(|(outputs, timings)| {
+                let started = Instant::now();
+                let pack = |raster: Raster| {
+                    let kind = raster.kind;
+                    packed(raster, image, compression).map(|picture| (kind, picture))
+                };
+                let images = outputs.images.into_iter().map(pack);
+                let images = images.collect::<Result<Vec<_>, _>>()?;
+                let timings = stats.rendered(1, vertices, timings, started.elapsed());
+                Ok(Done {
+                    head,
+                    images,
+                    timings,
+                })
+            }));
+        });
     }
 }
 
 /// What is to be drawn.
 struct Subject {
     scene: Scene,
+    appearance: Appearance,
     posed: Arc<Posed>,
     clamped: Vec<Clamped>,
 }
@@ -157,18 +164,19 @@ fn bytes_of(scene: &Scene) -> u64 {
     BYTES_PER_PIXEL * scene.size.pixels() as u64
 }
 
-/// What a frame's reply says beside the picture.
+/// What a frame's reply says beside the pictures.
 struct Head {
+    size: Size,
     camera: wire::FrameCamera,
     digest: String,
     clamped: Vec<crate::protocol::pose::Clamped>,
     transport: PictureTransport,
 }
 
-/// A picture, packed.
+/// Pictures, packed.
 struct Done {
     head: Head,
-    picture: Picture,
+    images: Vec<(ImageKind, Picture)>,
     timings: wire::Timings,
 }
 
@@ -177,15 +185,17 @@ impl Done {
     fn sent(self, attachments: &mut Attachments) -> wire::Frame {
         let Self {
             head,
-            picture,
+            images,
             timings,
         } = self;
-        let [width, height] = picture.size();
-        let color = Blob::picture(picture, head.transport, attachments);
+        let Size { width, height } = head.size;
+        let mut blob = |picture| Blob::picture(picture, head.transport, attachments);
+        let images = images.into_iter();
+        let images = images.map(|(kind, picture)| (name_of(kind).to_owned(), blob(picture)));
         wire::Frame {
             width,
             height,
-            images: BTreeMap::from([("color".to_owned(), color)]),
+            images: images.collect(),
             camera: head.camera,
             rig: head.digest,
             renderer: wire::Renderer {
@@ -198,21 +208,33 @@ impl Done {
     }
 }
 
+/// Each once, however often it is asked for.
+fn kinds_of(params: &wire::FrameParams) -> BTreeSet<ImageKind> {
+    params.outputs.iter().copied().map(of_output).collect()
+}
+
+/// As the wire spells it.
+fn name_of(kind: ImageKind) -> &'static str {
+    match kind {
+        ImageKind::Color => "color",
+    }
+}
+
 fn packed(
-    frame: Frame,
+    raster: Raster,
     image: wire::ImageFormat,
     compression: Compression,
 ) -> Result<Picture, Fault> {
-    let Size { width, height } = frame.size;
+    let Size { width, height } = raster.size;
     let file = match image {
         wire::ImageFormat::Rgba8 => {
             return Ok(Picture::Rgba8 {
                 width,
                 height,
-                pixels: frame.pixels.into_vec(),
+                pixels: raster.bytes.into_vec(),
             });
         }
-        wire::ImageFormat::Png => encode::png(&frame, compression),
+        wire::ImageFormat::Png => encode::png(&raster, compression),
     };
     let file = file.map_err(|error| Fault::Internal {
         message: error.to_string(),
@@ -237,10 +259,14 @@ impl FrameItems {
     fn check(&self, change: &FrameChange) -> Result<ItemBytes, Fault> {
         let params = change.over(&self.params);
         let found = &self.rigs[&params.rig];
-        let scene = self.call.scene(&params, &found.loaded)?;
+        let (scene, _) = self.call.scene(&params, &found.loaded)?;
         self.call.check_pose(&params.pose, found)?;
         let least = match params.image {
-            wire::ImageFormat::Rgba8 => written(4 * scene.size.pixels() as u64, params.transport),
+            wire::ImageFormat::Rgba8 => {
+                let kinds = kinds_of(&params);
+                let bytes = kinds.into_iter().map(|kind| kind.bytes(scene.size) as u64);
+                written(bytes.sum(), params.transport)
+            }
             // Of a plain color next to nothing is left.
             wire::ImageFormat::Png => 0,
         };
@@ -300,7 +326,11 @@ impl Items for FrameItems {
     }
 
     fn bytes(done: &Done) -> u64 {
-        written(done.picture.bytes() as u64, done.head.transport)
+        {
+            let images = done.images.iter();
+            let bytes = images.map(|(_, picture)| picture.bytes() as u64);
+            written(bytes.sum(), done.head.transport)
+        }
     }
 
     fn sent(done: Done, attachments: &mut Attachments) -> wire::Frame {

@@ -294,6 +294,7 @@ pub(super) fn queries(
         }
     };
     let query = |mesh, start, count| VertexQuery {
+        instance: 0,
         mesh,
         start,
         count,

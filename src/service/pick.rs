@@ -28,7 +28,7 @@ impl Call {
         let params = params.frame();
         let found = self.engine().rig(&params.rig)?;
         let rig = Arc::clone(&found.loaded.rig);
-        let scene = self.scene(&params, &found.loaded)?;
+        let (scene, appearance) = self.scene(&params, &found.loaded)?;
         inside(pixel, scene.size)?;
         let ray = scene.camera.ray(DVec2::from_array(pixel));
         let ray = ray.map_err(EngineError::from)?;
@@ -39,9 +39,9 @@ impl Call {
                 .map(BoneRadius::new)
                 .transpose()
                 .map_err(EngineError::from)?,
-            skin: (skin && scene.show.shows_skin()).then(|| scene.show.skin.shape()),
-            cull: scene.cull,
-            variant: scene.surface.variant,
+            skin: (skin && appearance.show.shows_skin()).then(|| appearance.show.skin.shape()),
+            cull: appearance.cull,
+            variant: appearance.surface.variant,
         };
         let (posed, clamped) = self.posed(&params.pose, &found)?;
         let clamped = describe::clamped(&rig, &clamped);

@@ -4,14 +4,15 @@ use super::names::unknown;
 use super::pose::no_such;
 use super::{Call, fault};
 use crate::engine::{EngineError, LoadedRig};
+use crate::frame::ImageKind;
 use crate::pose::Skinning;
 use crate::protocol::Fault;
 use crate::protocol::camera as wire_camera;
 use crate::protocol::frame as wire;
 use crate::rig::Rig;
 use crate::scene::{
-    Background, Bounds, Camera, Color, Cull, Falloff, Light, LookAt, Near, Orbit, Pinhole, Samples,
-    Scene, SceneError, Show, ShowNormals, ShowSkeleton, ShowSkin, Size, Surface,
+    Appearance, Background, Bounds, Camera, Color, Cull, Falloff, Light, LookAt, Near, Orbit,
+    Pinhole, Samples, Scene, SceneError, Show, ShowNormals, ShowSkeleton, ShowSkin, Size, Surface,
 };
 use glam::{DMat4, DVec3};
 
@@ -21,11 +22,14 @@ impl Call {
         &self,
         params: &wire::FrameParams,
         rig: &LoadedRig,
-    ) -> Result<Scene, Fault> {
+    ) -> Result<(Scene, Appearance), Fault> {
         let limits = self.engine().limits();
         let [width, height] = params.size;
         let size = Size::new(width, height, limits).map_err(EngineError::from)?;
-        self.engine().capabilities().accept_size(size)?;
+        let capabilities = self.engine().capabilities();
+        for output in &params.outputs {
+            capabilities.accept_raster(of_output(*output), size)?;
+        }
         if params.outputs.is_empty() {
             return Err(Fault::invalid_params(
                 "outputs",
@@ -53,34 +57,37 @@ impl Call {
             }
         };
         let variant = of_variant(&params.material, &rig.rig)?;
-        let scene = || -> Result<Scene, SceneError> {
+        let scene = || -> Result<(Scene, Appearance), SceneError> {
             let show = of_show(&params.show)?;
-            Ok(Scene {
+            let camera = of_camera(&params.camera, &rig.extents.framed(&show), size)?;
+            let ambient = params.ambient.map(|ambient| Color::new(ambient, "ambient"));
+            let ambient = ambient.unwrap_or(Ok(Scene::DEFAULT_AMBIENT))?;
+            let surface = Surface {
+                variant,
+                ..of_material(&params.material)?
+            };
+            let background = params.background.map(Background::new);
+            let scene = Scene {
                 size,
                 samples: match params.samples {
                     wire::Samples::One => Samples::One,
                     wire::Samples::Four => Samples::Four,
                 },
-                camera: of_camera(&params.camera, &rig.extents.framed(&show), size)?,
+                camera,
                 lights,
-                ambient: params
-                    .ambient
-                    .map_or(Ok(Scene::DEFAULT_AMBIENT), |ambient| {
-                        Color::new(ambient, "ambient")
-                    })?,
-                surface: Surface {
-                    variant,
-                    ..of_material(&params.material)?
-                },
-                background: params
-                    .background
-                    .map_or(Ok(Background::default()), Background::new)?,
+                ambient,
+                background: background.unwrap_or(Ok(Background::default()))?,
+            };
+            let cull = match params.cull {
+                wire::Cull::Auto => Cull::Auto,
+                wire::Cull::Never => Cull::Never,
+            };
+            let appearance = Appearance {
                 show,
-                cull: match params.cull {
-                    wire::Cull::Auto => Cull::Auto,
-                    wire::Cull::Never => Cull::Never,
-                },
-            })
+                surface,
+                cull,
+            };
+            Ok((scene, appearance))
         };
         scene().map_err(|error| EngineError::from(error).into())
     }
@@ -194,6 +201,12 @@ fn of_light(light: &wire_camera::Light) -> Result<Light, SceneError> {
                 falloff,
             )
         }
+    }
+}
+
+pub(super) fn of_output(output: wire::Output) -> ImageKind {
+    match output {
+        wire::Output::Color => ImageKind::Color,
     }
 }
 

@@ -5,11 +5,12 @@ use super::{
     small, srgb,
     support::quads::{Quad, draft, own, painted, plan, quad, scaled, scene, texture},
 };
+use crate::support::shot::Shot;
 use glam::{DVec3, Vec2, Vec4};
 use rigd::render::Plan;
 use rigd::render::cpu::{Cores, Cpu, Spread};
 use rigd::rig::{Encoding, Material, Opacity, TexturePlace, Wrap};
-use rigd::scene::{Camera, Cull, LookAt, Near, Samples, Scene, Show};
+use rigd::scene::{Camera, Cull, LookAt, Near, Samples, Show};
 
 const ON_BLUE: [f64; 4] = [0.0, 0.0, 1.0, 1.0];
 const ON_NOTHING: [f64; 4] = [0.0; 4];
@@ -23,20 +24,20 @@ fn wall(color: [f32; 3], z: f32) -> Quad {
     at(z, quad(painted([r, g, b, 1.0])))
 }
 
-fn with_opacity(opacity: f64, scene: Scene) -> Scene {
+fn with_opacity(opacity: f64, scene: Shot) -> Shot {
     let show = Show::new(
         Default::default(),
         Default::default(),
         Default::default(),
         opacity,
     );
-    Scene {
+    Shot {
         show: show.expect("an opacity"),
         ..scene
     }
 }
 
-fn from_behind(scene: Scene) -> Scene {
+fn from_behind(scene: Shot) -> Shot {
     let look = LookAt {
         eye: DVec3::new(0.0, 0.0, -10.0),
         target: DVec3::ZERO,
@@ -49,7 +50,7 @@ fn from_behind(scene: Scene) -> Scene {
         min: DVec3::NEG_ONE,
         max: DVec3::ONE,
     };
-    Scene {
+    Shot {
         camera: Camera::look_at(look, &bounds, scene.size).expect("a camera"),
         ..scene
     }
@@ -488,7 +489,7 @@ fn a_single_sided_surface_is_seen_from_its_front_unless_asked_for() {
                 is_turned,
                 ..quad(single.clone())
             };
-            let scene = Scene { cull, ..small() };
+            let scene = Shot { cull, ..small() };
             let what = format!("{scale}, turned: {is_turned}, {cull:?}");
             let draft = scaled(&[wall], scale);
             assert_shown(&what, draft, scene, [([2, 2], wanted)]);
@@ -522,7 +523,7 @@ fn a_single_sided_pane_shows_its_front_alone_unless_asked_for() {
         (Cull::Auto, &[NEAR, FAR][..]),
         (Cull::Never, &[NEAR, NEAR, FAR]),
     ] {
-        let scene = Scene {
+        let scene = Shot {
             cull,
             ..before(ON_NOTHING, small())
         };

@@ -5,9 +5,10 @@ use super::{
     support::pictures::linear,
     support::quads::{Quad, draft, lit, painted, quad, texture},
 };
+use crate::support::shot::Shot;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use rigd::rig::{Encoding, Highlight, Material};
-use rigd::scene::{Bounds, Camera, Color, LookAt, Near, Samples, Scene, Surface};
+use rigd::scene::{Bounds, Camera, Color, LookAt, Near, Samples, Surface};
 
 #[test]
 fn color_texture_and_vertex_color_multiply() {
@@ -117,7 +118,7 @@ fn what_is_emitted_is_added_through_its_texture_and_needs_no_light() {
         })
     };
     let texel = Some([255, 188, 0, 255]);
-    let dark = Scene {
+    let dark = Shot {
         ambient: Color::constant(0.0, 0.0, 0.0),
         ..small()
     };

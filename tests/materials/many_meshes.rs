@@ -5,10 +5,11 @@ use super::{
     support::quads::{draft, painted, quad, scene},
 };
 use glam::{DAffine3, DVec3, Vec2, Vec3};
+use rigd::frame::Outputs;
 use rigd::limits::Limits;
 use rigd::pose::{Pose, Posed, Skinning};
 use rigd::render::cpu::{Cores, Cpu, Spread};
-use rigd::render::{Instance, Outputs, Plan};
+use rigd::render::{Instance, Plan, Skin};
 use rigd::rig::{BindPose, BindingDraft, Draft, JointDraft, MeshDraft, MorphDraft};
 use rigd::scene::{Bounds, Camera, LookAt, Near, Samples, Shape, VertexQuery};
 use std::sync::Arc;
@@ -43,9 +44,16 @@ fn panes_of_one_mesh_and_of_several_instances_are_sorted_together() {
     let wanted = over(&[blue, red, white, green, red]);
     for rigs in [[&around, &bare, &between], [&between, &bare, &around]] {
         let scene = before([0.0; 4], small());
-        let mut plan = Plan::picture(Arc::clone(rigs[0]), Skinning::Linear, scene, 2.0);
-        let instance =
-            |posed: &Arc<Posed>| Instance::new(Arc::clone(posed), Shape::Posed, Skinning::Linear);
+        let (_, appearance) = scene.clone().split();
+        let mut plan = scene.plan(Arc::clone(rigs[0]), Skinning::Linear, 2.0);
+        let instance = |posed: &Arc<Posed>| {
+            let posed = Arc::clone(posed);
+            if posed.rig().vertex_count() == 0 {
+                // Shown, it would be a skeleton.
+                return Instance::new(Skin::new(posed, Shape::Posed, Skinning::Linear));
+            }
+            Instance::shown(posed, Skinning::Linear, appearance, 2.0)
+        };
         plan.instances = rigs.map(instance).to_vec();
         for (renderer, image) in drawn(&plan) {
             let found = image.center();
@@ -77,7 +85,8 @@ fn crowd(count: usize) -> Draft {
     };
     let binding = |index| BindingDraft {
         joint: Some(index),
-        stood: BindPose::JointFromBind(DAffine3::IDENTITY),
+        file: None,
+        bind_pose: BindPose::JointFromBind(DAffine3::IDENTITY),
     };
     Draft {
         joints: (0..count).map(joint).collect(),
@@ -115,6 +124,7 @@ fn each_of_many_meshes_follows_its_own_joint_and_is_found_again() {
     let all: Vec<usize> = (0..59).collect();
     for meshes in [&all[..], &[3], &[58], &[5, 6, 7, 20, 41, 42]] {
         let query = |&mesh: &usize| VertexQuery {
+            instance: 0,
             mesh,
             start: 1,
             count: rig.meshes()[mesh].vertex_count() - 1,
@@ -124,10 +134,7 @@ fn each_of_many_meshes_follows_its_own_joint_and_is_found_again() {
         let queries = meshes.iter().map(query).collect();
         let plan = Plan::vertices(Arc::clone(&posed), Skinning::Linear, Shape::Posed, queries);
         for (renderer, outputs) in vertices(&plan) {
-            let Outputs::Vertices(found) = outputs else {
-                panic!("vertices were asked for");
-            };
-            for (&mesh, found) in meshes.iter().zip(&found) {
+            for (&mesh, found) in meshes.iter().zip(&outputs.vertices) {
                 let place = Vec3::new((mesh % 8) as f32, (mesh / 8) as f32, 0.0);
                 let lifted = |vertex: usize| if (mesh, vertex) == (7, 3) { 2.0 } else { 0.0 };
                 let own = rig.meshes()[mesh].positions().iter().enumerate();

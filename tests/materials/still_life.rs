@@ -5,6 +5,7 @@ use super::{
     support::alike::{self, share_of_all},
     support::quads::{Quad, by_gpu, draft, own, painted, plan, quad, scene, texture},
 };
+use crate::support::shot::Shot;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use rigd::render::Plan;
 use rigd::render::cpu::Cores;
@@ -12,11 +13,16 @@ use rigd::rig::{
     Encoding, Highlight, Material, NormalMap, Opacity, TexturePlace, TextureTransform, Wrap,
 };
 use rigd::scene::{
-    Background, Bounds, Camera, Color, Cull, Light, LookAt, Near, Samples, Scene, Show, Surface,
+    Background, Bounds, Camera, Color, Cull, Light, LookAt, Near, Samples, Show, Surface,
 };
 
 /// A picture of everything at once, from beside.
-fn still_life(size: [u32; 2], samples: Samples, eye: DVec3) -> Plan {
+fn still_life(
+    size: [u32; 2],
+    samples: Samples,
+    eye: DVec3,
+    change: impl FnOnce(&mut Shot),
+) -> Plan {
     let texel = |x: u32, y: u32| {
         let [r, g] = [x, y].map(|at| (16 * at) as u8);
         [
@@ -160,6 +166,7 @@ fn still_life(size: [u32; 2], samples: Samples, eye: DVec3) -> Plan {
     scene.ambient = Color::constant(0.1, 0.1, 0.12);
     scene.lights = Light::default_pair();
     scene.background = Background::new([0.2, 0.2, 0.25, 0.5]).expect("a color");
+    change(&mut scene);
     plan(draft(&quads), scene)
 }
 
@@ -172,34 +179,28 @@ fn still_lives() -> Vec<(String, bool, Plan)> {
         ("in the midst", DVec3::new(0.3, -0.2, 0.5)),
     ] {
         for samples in [Samples::One, Samples::Four] {
-            let of = |plan: &mut Plan, change: &dyn Fn(&mut Scene)| {
-                if let rigd::render::Wanted::Picture(picture) = &mut plan.wanted {
-                    change(&mut picture.scene);
-                }
-            };
             let has_one = samples == Samples::One;
-            let plan = || still_life([150, 130], samples, eye);
-            plans.push((format!("{name}, {samples:?}"), has_one, plan()));
-            let mut translucent = plan();
-            of(&mut translucent, &|scene| {
-                let translucent = Show::new(
+            let size = [150, 130];
+            let plain = still_life(size, samples, eye, |_| {});
+            plans.push((format!("{name}, {samples:?}"), has_one, plain));
+            let translucent = still_life(size, samples, eye, |shot| {
+                let show = Show::new(
                     Default::default(),
                     Default::default(),
                     Default::default(),
                     0.6,
                 );
-                scene.show = translucent.expect("an opacity");
+                shot.show = show.expect("an opacity");
             });
             plans.push((
                 format!("{name}, {samples:?}, translucent"),
                 has_one,
                 translucent,
             ));
-            let mut overruled = plan();
-            of(&mut overruled, &|scene| {
-                scene.cull = Cull::Never;
+            let overruled = still_life(size, samples, eye, |shot| {
+                shot.cull = Cull::Never;
                 let diffuse = Some(Color::constant(0.7, 0.6, 0.9));
-                scene.surface = Surface::new(diffuse, None, Some(3.0)).expect("a surface");
+                shot.surface = Surface::new(diffuse, None, Some(3.0)).expect("a surface");
             });
             plans.push((
                 format!("{name}, {samples:?}, overruled"),

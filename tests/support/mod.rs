@@ -9,10 +9,12 @@ pub mod everything;
 pub mod gltf;
 pub mod oracle;
 pub mod pictures;
+pub mod places;
 pub mod quads;
 pub mod random;
 pub mod rules;
 pub mod server;
+pub mod shot;
 pub mod suite;
 
 use adapters::{adapter, engine_on};
@@ -84,7 +86,7 @@ pub const SAMPLE_ANIM: [(f64, [f64; 3]); 7] = [
 
 /// Where real rigs lie, which the project may not ship. `None`, and a line in the log, where they are absent.
 pub fn real_rigs() -> Option<PathBuf> {
-    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/rigs"));
+    let folder = places::repository("../shared/rigs");
     if !folder.is_dir() {
         note(&format!("SKIPPED: no real rigs in {}", folder.display()));
         return None;
@@ -120,10 +122,18 @@ pub fn with_base64(name: &str, bytes: &[u8]) -> Value {
     json!({"name": name, "base64": rigd::protocol::attach::Base64(bytes.to_vec())})
 }
 
+/// Where a file or folder of `tests/cases` is.
+pub fn case_path(path: &str) -> PathBuf {
+    places::repository("tests/cases").join(path)
+}
+
+pub fn case_bytes(path: &str) -> Vec<u8> {
+    std::fs::read(case_path(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
 /// A file of `tests/cases`, e.g. `gltf/lights_required.gltf`, as a request carries it.
 pub fn case(path: &str) -> Value {
-    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cases"));
-    let bytes = std::fs::read(folder.join(path)).unwrap_or_else(|error| panic!("{path}: {error}"));
+    let bytes = case_bytes(path);
     let name = path.rsplit('/').next().expect("a name");
     with_base64(name, &bytes)
 }

@@ -2,19 +2,20 @@
 //! Never lives here: what should be seen.
 
 use super::pictures::Image;
+use super::shot::Shot;
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
+use rigd::frame::{Outputs, Raster};
 use rigd::limits::Limits;
 use rigd::pose::{Pose, Posed, Skinning};
+use rigd::render::Plan;
 use rigd::render::cpu::{Cores, Cpu, Spread};
 use rigd::render::gpu::Gpu;
-use rigd::render::{Outputs, Plan};
 use rigd::rig::{
     BindPose, BindingDraft, Draft, Encoding, JointDraft, Material, MeshDraft, PartDraft, Texture,
     TextureLevel, TexturePlace,
 };
 use rigd::scene::{
-    Background, Bounds, Camera, Color, Cull, Light, LookAt, Near, Samples, Scene, Show, Size,
-    Surface,
+    Background, Bounds, Camera, Color, Cull, Light, LookAt, Near, Samples, Show, Size, Surface,
 };
 use std::sync::Arc;
 
@@ -117,7 +118,8 @@ pub fn scaled(quads: &[Quad], scale: DVec3) -> Draft {
     }];
     draft.bindings = vec![BindingDraft {
         joint: Some(0),
-        stood: BindPose::JointFromBind(DAffine3::IDENTITY),
+        file: None,
+        bind_pose: BindPose::JointFromBind(DAffine3::IDENTITY),
     }];
     for mesh in &mut draft.meshes {
         mesh.influence_counts = vec![1; 4];
@@ -127,7 +129,7 @@ pub fn scaled(quads: &[Quad], scale: DVec3) -> Draft {
 }
 
 /// Seen straight on in even white light, before black.
-pub fn scene(size: [u32; 2], samples: Samples) -> Scene {
+pub fn scene(size: [u32; 2], samples: Samples) -> Shot {
     let size = Size {
         width: size[0],
         height: size[1],
@@ -144,7 +146,7 @@ pub fn scene(size: [u32; 2], samples: Samples) -> Scene {
         min: DVec3::NEG_ONE,
         max: DVec3::ONE,
     };
-    Scene {
+    Shot {
         size,
         samples,
         camera: Camera::look_at(look, &bounds, size).expect("a camera"),
@@ -158,27 +160,26 @@ pub fn scene(size: [u32; 2], samples: Samples) -> Scene {
 }
 
 /// White, travelling so, and nothing beside it.
-pub fn lit(mut scene: Scene, direction: DVec3) -> Scene {
+pub fn lit(mut scene: Shot, direction: DVec3) -> Shot {
     let white = Color::WHITE;
     scene.ambient = Color::constant(0.0, 0.0, 0.0);
     scene.lights = vec![Light::directional(direction, white, 1.0).expect("a light")];
     scene
 }
 
-pub fn plan(draft: Draft, scene: Scene) -> Plan {
+pub fn plan(draft: Draft, scene: Shot) -> Plan {
     let rig = Arc::new(draft.build(&Limits::default()).expect("a rig"));
     let posed = Arc::new(Posed::new(&Pose::rest(&rig)).expect("a pose"));
-    Plan::picture(posed, Skinning::Linear, scene, 2.0)
+    scene.plan(posed, Skinning::Linear, 2.0)
 }
 
-fn image(outputs: Outputs) -> Image {
-    match outputs {
-        Outputs::Picture(frame) => {
-            let size = [frame.size.width, frame.size.height].map(|side| side as usize);
-            Image::from_bytes(size, &frame.pixels)
-        }
-        Outputs::Vertices(_) => unreachable!("a picture was asked for"),
-    }
+/// The only one there is.
+pub fn image(outputs: Outputs) -> Image {
+    let [Raster { size, bytes, .. }] = &outputs.images[..] else {
+        panic!("a picture was asked for, and nothing else");
+    };
+    let size = [size.width, size.height].map(|side| side as usize);
+    Image::from_bytes(size, bytes)
 }
 
 /// By rigd's own renderer.

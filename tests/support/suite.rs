@@ -2,10 +2,9 @@
 //! spelled out. Never lives here: what they are compared with.
 
 use super::pictures::over;
-use super::{ask_ok, with_base64};
+use super::{ask_ok, places, with_base64};
 use rigd::service::Service;
 use serde_json::{Value, json};
-use std::path::Path;
 use std::sync::Arc;
 
 /// A square wall that wears a picture of four different corners and a diagonal.
@@ -42,9 +41,7 @@ pub fn load_reed(service: &Arc<Service>) {
 /// The rigs of the courses' formats.
 pub fn load_samples(service: &Arc<Service>) {
     let load = |folder: &str, files: &[&str]| {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("assets")
-            .join(folder);
+        let folder = places::repository("assets").join(folder);
         let inline =
             |name: &&str| with_base64(name, &std::fs::read(folder.join(name)).expect("a file"));
         let files: Vec<Value> = files.iter().map(inline).collect();

@@ -2,9 +2,10 @@
 
 mod tree;
 
-use super::angle::{Unit, decimal};
+use super::angle::Unit;
 use super::builtin;
 use super::exit::{self, Outcome};
+use super::numbers::decimal;
 use super::terminal::{Warnings, print, printable};
 use crate::formats::Source;
 use crate::limits::Limits;

@@ -3,9 +3,9 @@
 use crate::cli::RendererArgs;
 use crate::cli::angle::FieldOfView;
 use crate::cli::exit;
+use crate::cli::numbers::{number, positive};
 use crate::cli::values::{
-    Assignment, Fps, LightArg, OrbitView, Pixels, Rgba, Rotation, Seconds, Vector, Weight, number,
-    point, positive,
+    Assignment, Fps, LightArg, OrbitView, Pixels, Rgba, Rotation, Seconds, Vector, Weight, point,
 };
 use crate::protocol::{frame as wire, pose as wire_pose};
 use clap::{Args, ValueEnum};

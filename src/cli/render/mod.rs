@@ -3,6 +3,7 @@
 
 mod args;
 mod flags;
+mod format;
 mod framing;
 mod output;
 mod request;
@@ -24,8 +25,9 @@ use crate::protocol::rig::{RigDescription, RigParams};
 use crate::scene::{Size, SizeError};
 use crate::service::Service;
 use anyhow::{Context, anyhow, bail};
+use format::Format;
 use indicatif::{ProgressBar, ProgressStyle};
-use output::{Format, Reel, Terms};
+use output::{Reel, Terms};
 use shots::{Motion, Shots};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::collections::VecDeque;

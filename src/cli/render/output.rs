@@ -1,49 +1,15 @@
 //! The files of a sequence. Never lives here: how frames are drawn or packed.
 
+use super::format::Format;
 use super::shots::Motion;
 use crate::cli::files::{self, Destination, Unfinished, numbered};
 use crate::encode::{AnimatedGif, AnimatedPng, Compression, FrameRate};
-use crate::frame::Frame;
-use crate::protocol::frame::ImageFormat;
+use crate::frame::{ImageKind, Raster};
 use crate::scene::Size;
-use anyhow::{Context, bail};
+use anyhow::Context;
 use std::fs::{self, File};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
-
-/// What the ending of the output's name asks for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Format {
-    Png,
-    Gif,
-    Apng,
-}
-
-impl Format {
-    pub fn of(output: &Destination) -> anyhow::Result<Self> {
-        let Destination::File(path) = output else {
-            return Ok(Self::Png);
-        };
-        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-        match ending.to_str() {
-            Some("png") => Ok(Self::Png),
-            Some("gif") => Ok(Self::Gif),
-            Some("apng") => Ok(Self::Apng),
-            _ => bail!(
-                "--output: expected a name that ends in .png, .gif or .apng, or - for a PNG to standard output, but found `{}`",
-                path.display()
-            ),
-        }
-    }
-
-    /// What to ask a frame as.
-    pub fn image(self) -> ImageFormat {
-        match self {
-            Self::Png => ImageFormat::Png,
-            Self::Gif | Self::Apng => ImageFormat::Rgba8,
-        }
-    }
-}
 
 /// How a sequence is to be written.
 #[derive(Debug, Clone)]
@@ -95,11 +61,13 @@ impl Reel {
             }
             (Destination::File(path), Format::Gif | Format::Apng) => {
                 let context = format!("cannot write {}", path.display());
-                let pixels = picture.into();
+                let raster = Raster {
+                    kind: ImageKind::Color,
+                    size,
+                    bytes: picture.into(),
+                };
                 let begun = &mut self.animation;
-                self.terms
-                    .animate(path, begun, &Frame { size, pixels })
-                    .context(context)
+                self.terms.animate(path, begun, &raster).context(context)
             }
         }
     }
@@ -164,7 +132,7 @@ impl Terms {
         &self,
         path: &Path,
         begun: &mut Option<(Animation, Unfinished)>,
-        frame: &Frame,
+        frame: &Raster,
     ) -> anyhow::Result<()> {
         let (animation, _) = match begun {
             Some(begun) => begun,

@@ -1,8 +1,8 @@
 //! Which frames a sequence has, and what each of them asks for. Never lives here: files.
 
 use super::args::{MOST_FRAMES, RenderArgs};
+use super::format::Format;
 use super::framing::frame_clip;
-use super::output::Format;
 use super::view::{View, rest_of};
 use crate::cli::values::Seconds;
 use crate::encode::FrameRate;

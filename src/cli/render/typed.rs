@@ -2,7 +2,8 @@
 //! Never lives here: what the protocol can tell by itself.
 
 use super::args::RenderArgs;
-use crate::cli::angle::{Unit, decimal};
+use crate::cli::angle::Unit;
+use crate::cli::numbers::decimal;
 use crate::cli::terminal::Warnings;
 use crate::cli::values::{Assignment, Weight};
 use crate::protocol::pose::Clamped;

@@ -1,12 +1,14 @@
 //! Plans drawn on the CPU, by the threads of the pool: each that waits by a thread of its own, a lone one by all of them. Each thread
 //! goes on to encode what it has drawn.
 
+use super::Worker;
 use super::job::{Job, Timings, Urgency};
-use super::skins::{Claim, Skins};
+use super::skin_cache::{Computation, Lookup, SkinCache};
 use crate::engine::EngineError;
 use crate::engine::pool::Pool;
+use crate::frame::Outputs;
+use crate::render::Plan;
 use crate::render::cpu::{Cores, Cpu, Skinned, Spread};
-use crate::render::{Instance, Outputs, Plan, Wanted};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -18,7 +20,7 @@ pub(super) struct CpuWorker(Arc<Shared>);
 struct Shared {
     cpu: Cpu,
     pool: Arc<Pool>,
-    skins: Skins,
+    skins: SkinCache,
     /// Jobs that wait or are being worked on.
     in_hand: AtomicUsize,
 }
@@ -31,20 +33,21 @@ impl CpuWorker {
         Self(Arc::new(Shared {
             cpu,
             pool,
-            skins: Skins::default(),
+            skins: SkinCache::default(),
             in_hand: AtomicUsize::new(0),
         }))
     }
+}
 
-    /// Lets go of memory that large rigs made necessary.
-    pub fn sweep(&self) {
-        self.0.skins.sweep();
-        self.0.cpu.sweep();
-    }
-
-    pub fn take(&self, job: Job) {
+impl Worker for CpuWorker {
+    fn take(&self, job: Job) {
         self.0.in_hand.fetch_add(1, Ordering::Relaxed);
         self.0.spawn(job);
+    }
+
+    fn sweep(&self) {
+        self.0.skins.sweep();
+        self.0.cpu.sweep();
     }
 }
 
@@ -59,54 +62,54 @@ impl Shared {
         if let Err(error) = job.urgency.check() {
             return self.answer(job, started, Err(error));
         }
-        if let Wanted::Vertices(_) = job.plan.wanted {
-            let vertices = self.guarded(&job.urgency, |spread| self.cpu.render(&job.plan, spread));
-            return self.answer(job, started, vertices);
+        if job.plan.image.is_none() {
+            // Whoever asks for vertices alone needs no more of the skin than those: they are computed here, unless they are there.
+            let first = job.plan.vertices.first();
+            let skin = first.map(|query| job.plan.instances[query.instance].skin());
+            let skinned = skin.and_then(|skin| self.skins.ready(skin));
+            return self.finish(job, started, skinned.as_deref());
         }
-        match self.skins.claim(job) {
-            Claim::Made(job, skinned) => self.draw(job, started, &skinned),
-            Claim::Make(job, making) => {
-                let instances = job.plan.shown_instances();
-                let alone = self.cores();
-                let cores = match alone {
-                    Cores::One if work_of(instances) < HEAVY => Cores::One,
-                    _ => Cores::All,
-                };
-                let is_wanted = || {
-                    // Not what is heavy beside others: each of them would give way to the next one, deeper and deeper.
-                    self.give_way(alone);
-                    job.urgency.check().is_ok() || self.skins.is_awaited(&making)
-                };
-                let spread = Spread::over(cores, &is_wanted);
-                let skinned =
-                    caught(|| self.cpu.skin(instances, spread)).map(|it| it.map(Arc::new));
-                let made = skinned.as_ref().ok().and_then(Option::as_ref);
-                for waiting in self.skins.made(&making, made) {
-                    self.spawn(waiting);
-                }
-                match skinned {
-                    Ok(Some(skinned)) => self.draw(job, started, &skinned),
-                    Ok(None) => {
-                        let unwanted = unwanted(&job.urgency);
-                        self.answer(job, started, Err(unwanted));
-                    }
-                    Err(error) => self.answer(job, started, Err(error)),
-                }
-            }
-            Claim::Wait => {}
+        match self.skins.look_up(job) {
+            Lookup::Hit(job, skinned) => self.finish(job, started, Some(&skinned)),
+            Lookup::Miss(job, computation) => self.skin(job, started, &computation),
+            Lookup::Waiting => {}
         }
     }
 
-    fn draw(&self, job: Job, started: Instant, skinned: &Skinned) {
-        let Plan { wanted, .. } = &job.plan;
-        let frame = match wanted {
-            Wanted::Picture(picture) => self.guarded(&job.urgency, |spread| {
-                let frame = self.cpu.draw(&job.plan, picture, skinned, spread)?;
-                Some(Outputs::Picture(frame))
-            }),
-            Wanted::Vertices(_) => Err(EngineError::mismatched()),
+    /// Computes the skins of a job for all who wait for them, then the job.
+    fn skin(self: &Arc<Self>, job: Job, started: Instant, computation: &Computation) {
+        let alone = self.cores();
+        let cores = match alone {
+            Cores::One if skinning_work(&job.plan) < HEAVY => Cores::One,
+            _ => Cores::All,
         };
-        self.answer(job, started, frame);
+        let is_wanted = || {
+            // Not what is heavy beside others: each of them would give way to the next one, deeper and deeper.
+            self.give_way(alone);
+            job.urgency.check().is_ok() || self.skins.is_awaited(computation)
+        };
+        let spread = Spread::over(cores, &is_wanted);
+        let skinned = caught(|| self.cpu.skin(&job.plan, spread)).map(|it| it.map(Arc::new));
+        let ready = skinned.as_ref().ok().and_then(Option::as_ref);
+        for waiting in self.skins.complete(computation, ready) {
+            self.spawn(waiting);
+        }
+        match skinned {
+            Ok(Some(skinned)) => self.finish(job, started, Some(&skinned)),
+            Ok(None) => {
+                let unwanted = unwanted(&job.urgency);
+                self.answer(job, started, Err(unwanted));
+            }
+            Err(error) => self.answer(job, started, Err(error)),
+        }
+    }
+
+    /// Draws and copies from skinned vertices.
+    fn finish(&self, job: Job, started: Instant, skinned: Option<&Skinned>) {
+        let outputs = self.guarded(&job.urgency, |spread| {
+            self.cpu.outputs(&job.plan, skinned, spread)
+        });
+        self.answer(job, started, outputs);
     }
 
     fn guarded(
@@ -157,10 +160,10 @@ fn unwanted(urgency: &Urgency) -> EngineError {
     urgency.check().err().unwrap_or(EngineError::Cancelled)
 }
 
-fn work_of(instances: &[Instance]) -> usize {
-    let meshes = instances
-        .iter()
-        .flat_map(|instance| instance.rig().meshes());
+/// Influences and displacements that the picture of a plan is skinned by.
+fn skinning_work(plan: &Plan) -> usize {
+    let drawn = plan.drawn();
+    let meshes = drawn.flat_map(|(_, instance)| instance.rig().meshes());
     meshes
         .map(|mesh| mesh.influences().len() + mesh.morph_displacements().len())
         .sum()

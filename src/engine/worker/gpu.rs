@@ -1,11 +1,13 @@
 //! The one thread that owns the device. It takes what waits, from every connection, as one submission, keeps a few of them in flight, and
 //! hands results to the pool.
 
+use super::Worker;
 use super::job::{Job, Reply, Timings};
+use crate::engine::EngineError;
 use crate::engine::pool::Pool;
-use crate::engine::{EngineError, RendererChoice};
-use crate::render::gpu::{Finished, Gpu, InFlight};
-use crate::render::{AdapterError, Outputs, Plan, RenderError};
+use crate::frame::Outputs;
+use crate::render::gpu::{AdapterId, Finished, Gpu, InFlight};
+use crate::render::{AdapterError, Plan, RenderError};
 use std::collections::VecDeque;
 use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -15,7 +17,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-pub(super) enum Message {
+enum Message {
     Job(Box<Job>),
     /// Rigs were unloaded.
     Sweep,
@@ -37,14 +39,14 @@ struct Gauges {
 }
 
 impl GpuWorker {
-    pub fn start(gpu: Gpu, choice: RendererChoice, pool: Arc<Pool>) -> Result<Self, AdapterError> {
+    pub fn start(gpu: Gpu, pool: Arc<Pool>) -> Result<Self, AdapterError> {
         let adapter = gpu.adapter().to_string();
         let (messages, inbox) = channel();
         let gauges = Arc::new(Gauges::default());
         gauges.bytes.store(gpu.memory_bytes(), Ordering::Relaxed);
         let thread = Thread {
+            adapter: gpu.adapter_id().clone(),
             gpu: Some(gpu),
-            choice,
             pool,
             inbox,
             waiting: VecDeque::new(),
@@ -66,19 +68,33 @@ impl GpuWorker {
         })
     }
 
-    pub fn gpu_bytes(&self) -> u64 {
-        self.gauges.bytes.load(Ordering::Relaxed)
-    }
-
-    pub fn gpu_busy(&self) -> Duration {
-        Duration::from_nanos(self.gauges.busy_nanos.load(Ordering::Relaxed))
-    }
-
-    pub fn send(&self, message: Message) {
+    fn send(&self, message: Message) {
         if let Some(messages) = &self.messages {
             // A thread that is gone drops the message, and with it answers the job.
             let _ = messages.send(message);
         }
+    }
+}
+
+impl Worker for GpuWorker {
+    fn take(&self, job: Job) {
+        self.send(Message::Job(Box::new(job)));
+    }
+
+    fn sweep(&self) {
+        self.send(Message::Sweep);
+    }
+
+    fn gpu_bytes(&self) -> u64 {
+        self.gauges.bytes.load(Ordering::Relaxed)
+    }
+
+    fn gpu_busy(&self) -> Duration {
+        Duration::from_nanos(self.gauges.busy_nanos.load(Ordering::Relaxed))
+    }
+
+    fn lose_device(&self) {
+        self.send(Message::LoseDevice);
     }
 }
 
@@ -102,7 +118,8 @@ struct Started {
 struct Thread {
     /// `None` after a loss, until the next job opens it anew.
     gpu: Option<Gpu>,
-    choice: RendererChoice,
+    /// The one that is opened anew.
+    adapter: AdapterId,
     pool: Arc<Pool>,
     inbox: Receiver<Message>,
     /// Jobs that nobody has looked at.
@@ -277,7 +294,7 @@ impl Thread {
     ) -> Result<T, RenderError> {
         let lost = |reason: String| RenderError::DeviceLost { reason };
         if self.gpu.is_none() {
-            let opened = Gpu::open(&self.choice.adapter, self.choice.require_gpu);
+            let opened = Gpu::reopen(&self.adapter);
             self.gpu = Some(opened.map_err(|error| lost(error.to_string()))?);
         }
         let Some(gpu) = self.gpu.as_mut() else {

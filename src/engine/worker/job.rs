@@ -1,7 +1,8 @@
 //! A plan and who waits for its outputs. Never lives here: who works on it.
 
 use crate::engine::{EngineError, Terms, Ticket};
-use crate::render::{Outputs, Plan};
+use crate::frame::Outputs;
+use crate::render::Plan;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};

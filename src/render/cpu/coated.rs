@@ -7,6 +7,7 @@ use super::raster::Slope;
 use super::shade::{Finish, Fragment};
 use super::texture;
 use crate::render::coat::Coat;
+use crate::render::instance_params::InstanceParams;
 use crate::rig::{Material, Mesh, Part, Rig, TexturePlace};
 use crate::scene::Surface;
 use fearless_simd::prelude::*;
@@ -139,6 +140,7 @@ impl CoatedTriangle {
         planes: &Planes,
         from_origin: [f32; 2],
         pixel: [f32; 2],
+        params: &InstanceParams,
     ) -> (Fragment, Finish) {
         let coat = &of.coat;
         let texcoords = Texcoords::around(simd, &planes.texcoord, planes.origin, pixel);
@@ -168,13 +170,14 @@ impl CoatedTriangle {
         let mut finish = Finish {
             specular: coat.specular.extend(coat.shininess).to_array(),
             emissive: given_off.extend(alpha).to_array(),
+            right: [0.0, 0.0, 0.0, params.least_distance_squared],
             ..Finish::default()
         };
         if let (Some([right, up]), Some(map)) = (self.slants, of.normal_map()) {
             let [x, y, z, _] = laid_out(simd, map, &coat.normal_place, &texcoords);
             let [x, y, z] = [x, y, z].map(|number| 2.0 * number - 1.0);
             finish.mapped = [x * coat.normal_scale, y * coat.normal_scale, z, 1.0];
-            finish.right = right.extend(0.0).to_array();
+            finish.right = right.extend(params.least_distance_squared).to_array();
             finish.up = up.extend(0.0).to_array();
         }
         (fragment, finish)
@@ -288,7 +291,7 @@ mod tests {
         TexturePlace, Wrap,
     };
     use crate::scene::{
-        Background, Bounds, Camera, Color, Cull, Light, Orbit, Samples, Scene, Show, Size, Surface,
+        Appearance, Background, Bounds, Camera, Color, Light, Orbit, Samples, Scene, Size,
     };
     use glam::{DVec3, Vec2, Vec3, Vec4};
     use std::sync::Arc;
@@ -385,12 +388,9 @@ mod tests {
             camera: Camera::orbit(Orbit::default(), &bounds, size).unwrap(),
             lights: Light::default_pair(),
             ambient: Color::WHITE,
-            surface: Surface::default(),
             background: Background::default(),
-            show: Show::default(),
-            cull: Cull::Auto,
         };
-        Plan::picture(posed, Skinning::Linear, scene, 1.0)
+        Plan::picture(posed, Skinning::Linear, Appearance::default(), scene, 1.0)
     }
 
     #[test]

@@ -74,6 +74,8 @@ pub(super) struct Drawn {
 /// A triangle that is seen.
 struct LookedUp {
     planes: Planes,
+    /// Index of its instance.
+    instance: u32,
     color: Scatter,
 }
 
@@ -127,7 +129,12 @@ impl Gather<'_> {
         place: [i32; 2],
     ) {
         let looked_up = self.look_up(simd, number);
-        let LookedUp { planes, color } = &self.looked_up[looked_up];
+        let LookedUp {
+            planes,
+            instance,
+            color,
+        } = &self.looked_up[looked_up];
+        let params = &self.picture.geometry.instances[*instance as usize].params;
         let pixel_at = [
             (self.at[0] + pixel as u32 % BLOCK) as f32,
             (self.at[1] + pixel as u32 / BLOCK) as f32,
@@ -141,7 +148,7 @@ impl Gather<'_> {
             Scatter::Coat(triangle) if COATED => {
                 let triangle = &self.coated[triangle as usize];
                 let of = &self.picture.geometry.coated[triangle.coated as usize];
-                let shown = triangle.shown(simd, of, planes, from_origin, pixel_at);
+                let shown = triangle.shown(simd, of, planes, from_origin, pixel_at, params);
                 return self.fragments.add_coated(pixel, samples, shown);
             }
             Scatter::Coat(_) => unreachable!("only pictures with coats have coated triangles"),
@@ -153,7 +160,7 @@ impl Gather<'_> {
                     unreachable!("only textured surfaces are looked up as such");
                 };
                 let [r, g, b, _] = textured(simd, texture, planes, pixel_at);
-                let by = self.picture.view.textured_diffuse;
+                let by = params.textured_diffuse;
                 [r * by.x, g * by.y, b * by.z, 1.0]
             }
         };
@@ -163,7 +170,7 @@ impl Gather<'_> {
             diffuse,
         };
         if COATED {
-            let finish = Finish::plain(self.picture.view);
+            let finish = Finish::plain(params);
             self.fragments
                 .add_coated(pixel, samples, (fragment, finish));
         } else {
@@ -185,12 +192,11 @@ impl Gather<'_> {
         let geometry = &self.picture.geometry;
         let place = geometry.place(triangle);
         let corners = geometry.corners(place, piece);
-        let view = self.picture.view;
+        let params = &geometry.instance_of(place).params;
+        let is_bare = params.flat_normals == 1;
         let is_flat = match place.surface.paint {
-            Paint::Plain | Paint::Textured(..) => view.flat_normals == 1,
-            Paint::Coated(coated) => {
-                view.flat_normals == 1 || geometry.coated[coated as usize].coat.is_flat == 1
-            }
+            Paint::Plain | Paint::Textured(..) => is_bare,
+            Paint::Coated(coated) => is_bare || geometry.coated[coated as usize].coat.is_flat == 1,
             Paint::Lines(_) | Paint::Solids(_) => false,
         };
         // It has samples, so it is no line.
@@ -203,7 +209,7 @@ impl Gather<'_> {
                 let first = place.surface.triangles[place.triangle][0];
                 Scatter::Everywhere(vertices[first as usize].color.extend(1.0).to_array())
             }
-            Paint::Plain => Scatter::Everywhere(view.diffuse.extend(1.0).to_array()),
+            Paint::Plain => Scatter::Everywhere(params.diffuse.extend(1.0).to_array()),
             Paint::Textured(..) => {
                 let surfaces = geometry.surfaces;
                 let index =
@@ -212,15 +218,18 @@ impl Gather<'_> {
             }
             Paint::Coated(coated) => {
                 let of = &geometry.coated[coated as usize];
-                let triangle =
-                    CoatedTriangle::of(simd, coated, of, &corners, view.flat_normals == 1);
+                let triangle = CoatedTriangle::of(simd, coated, of, &corners, is_bare);
                 self.coated.push(triangle);
                 Scatter::Coat(self.coated.len() as u32 - 1)
             }
         };
         let planes = Planes::of(simd, corners, side, is_flat);
         let index = self.looked_up.len();
-        self.looked_up.push(LookedUp { planes, color });
+        self.looked_up.push(LookedUp {
+            planes,
+            instance: place.surface.instance,
+            color,
+        });
         self.drawn[number as usize].looked_up = index as u32;
         index
     }

@@ -3,7 +3,8 @@
 
 use super::clip::{Unplaced, clip};
 use super::coated::Coated;
-use super::project::{Projected, Projection};
+use super::instance::DrawnInstance;
+use super::project::Projected;
 use crate::render::cull::Side;
 use crate::render::{Segment, SolidVertex};
 use crate::rig::{Mesh, Part, Rig, Texture};
@@ -15,7 +16,9 @@ pub(super) struct Surface<'a> {
     /// Of three of its own vertices each.
     pub triangles: &'a [[u32; 3]],
     pub first_triangle: u32,
-    /// In world space, one for each of its vertices; lines have none.
+    /// Index into [`Geometry::instances`].
+    pub instance: u32,
+    /// In model space, one for each of its vertices; lines have none.
     pub positions: &'a [[f32; 3]],
     pub normals: &'a [[f32; 3]],
     /// Where among all that are projected its vertices start.
@@ -52,6 +55,7 @@ pub(super) enum Layer {
 /// Everything that is drawn, projected.
 #[derive(Clone, Copy)]
 pub(super) struct Geometry<'a> {
+    pub instances: &'a [DrawnInstance],
     /// In the order of their triangles.
     pub surfaces: &'a [Surface<'a>],
     /// From this triangle on they blend: one after another is laid over the base.
@@ -62,14 +66,13 @@ pub(super) struct Geometry<'a> {
     pub projected: &'a [Projected],
     /// Of the vertices of lines.
     pub line_corners: &'a [[f32; 4]],
-    /// What cuts those that reach too far.
-    pub projection: &'a Projection,
 }
 
 /// A vertex of a triangle with all that is interpolated over it.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Corner {
     pub projected: Projected,
+    /// Position and normal are in world space.
     pub position: [f32; 3],
     pub normal: [f32; 3],
     pub texcoord: [f32; 2],
@@ -128,6 +131,12 @@ impl<'a> Geometry<'a> {
         }
     }
 
+    /// The instance that a triangle is of.
+    #[inline(always)]
+    pub fn instance_of(&self, place: Place<'_>) -> &'a DrawnInstance {
+        &self.instances[place.surface.instance as usize]
+    }
+
     /// Where the corners of a whole triangle fall.
     #[inline(always)]
     pub fn projected_of(&self, place: Place<'a>) -> [Projected; 3] {
@@ -139,15 +148,22 @@ impl<'a> Geometry<'a> {
     /// Of a triangle with a corner that [is beyond](Projected::is_beyond).
     pub fn pieces(&self, place: Place<'a>) -> impl Iterator<Item = [Corner; 3]> {
         let whole = self.corners_of_whole(place);
-        let own = place.surface.triangles[place.triangle];
+        let Surface {
+            triangles,
+            positions,
+            paint,
+            ..
+        } = place.surface;
+        let own = triangles[place.triangle].map(|own| own as usize);
+        let projection = &self.instance_of(place).projection;
         let unplaced = [0, 1, 2].map(|corner| Unplaced {
-            clip: match place.surface.paint {
-                Paint::Lines(_) => self.line_corners[own[corner] as usize],
-                _ => self.projection.clip_of(whole[corner].position),
+            clip: match paint {
+                Paint::Lines(_) => self.line_corners[own[corner]],
+                _ => projection.clip_of(positions[own[corner]]),
             },
             corner: whole[corner],
         });
-        clip(unplaced, self.projection)
+        clip(unplaced, projection)
     }
 
     /// Of piece number `piece` of a triangle, or of one that is whole.
@@ -173,12 +189,14 @@ impl<'a> Geometry<'a> {
             ..
         } = place.surface;
         let own = triangles[place.triangle].map(|own| own as usize);
+        let instance = self.instance_of(place);
         let mut corners = [Corner::default(); 3];
         for ((corner, vertex), own) in corners.iter_mut().zip(place.vertices()).zip(own) {
             corner.projected = self.projected[vertex];
             // Lines have neither.
             if let (Some(position), Some(normal)) = (positions.get(own), normals.get(own)) {
-                (corner.position, corner.normal) = (*position, *normal);
+                corner.position = instance.position_in_world(*position);
+                corner.normal = instance.normal_in_world(*normal);
             }
             match *paint {
                 Paint::Lines(_) | Paint::Solids(_) | Paint::Plain => {}

@@ -2,9 +2,21 @@
 
 use super::project::Projection;
 use crate::render::Segment;
+use std::ops::Range;
 
 /// Four to a segment.
 pub(super) const CORNERS: usize = 4;
+
+/// Those of some lines among the corners of all.
+pub(super) fn corners(lines: &Range<usize>) -> Range<usize> {
+    CORNERS * lines.start..CORNERS * lines.end
+}
+
+/// Those of some lines among the triangles of all.
+pub(super) fn triangles(lines: &Range<usize>) -> Range<usize> {
+    TRIANGLES.len() * lines.start..TRIANGLES.len() * lines.end
+}
+
 /// Of each segment, by its corners.
 const TRIANGLES: [[u32; 3]; 2] = [[0, 1, 2], [2, 1, 3]];
 
@@ -13,15 +25,13 @@ const LEAST_W: f32 = 1e-6;
 /// Outside the picture: a line that is wholly before the near plane.
 const NOWHERE: [f32; 4] = [2.0, 2.0, 2.0, 1.0];
 
-/// Corners in clip space and triangles of all `segments`.
-pub(super) fn lay_out(
+/// Adds corners in clip space and triangles of all `segments`.
+pub(super) fn add(
     segments: &[Segment],
     projection: &Projection,
     corners: &mut Vec<[f32; 4]>,
     triangles: &mut Vec<[u32; 3]>,
 ) {
-    corners.clear();
-    triangles.clear();
     for segment in segments {
         let first = corners.len() as u32;
         corners.extend(quad(segment, projection));
@@ -31,8 +41,8 @@ pub(super) fn lay_out(
 
 /// Left of the start, left of the end, right of the start, right of the end.
 fn quad(segment: &Segment, projection: &Projection) -> [[f32; 4]; CORNERS] {
-    let mut from = projection.clip_of(segment.from_in_world.to_array());
-    let mut to = projection.clip_of(segment.to_in_world.to_array());
+    let mut from = projection.clip_of(segment.from_in_model.to_array());
+    let mut to = projection.clip_of(segment.to_in_model.to_array());
     // Distance inside the near plane: depth at most 1.
     let inside = |clip: [f32; 4]| clip[3] - clip[2];
     let (from_inside, to_inside) = (inside(from), inside(to));

@@ -7,6 +7,7 @@ mod coated;
 mod cutout;
 mod gather;
 mod geometry;
+mod instance;
 mod interpolate;
 mod lanes;
 mod lines;
@@ -28,8 +29,8 @@ pub use skin::skin_mesh;
 pub use skinned::Skinned;
 pub use spread::{Cores, Spread};
 
-use super::{AdapterInfo, AdapterKind, Capabilities, Instance, Outputs, Plan, Wanted};
-use crate::frame::{SkinnedVertices, Spare};
+use super::{AdapterInfo, AdapterKind, Capabilities, Plan, Skin};
+use crate::frame::{ImageKind, Outputs, Pooled, SkinnedVertices, Spare};
 use crate::rig::Mesh;
 use crate::scene::VertexQuery;
 use fearless_simd::Level;
@@ -48,7 +49,7 @@ pub struct Cpu {
     skins: Arc<Rooms<Vertices>>,
     rooms: Arc<Rooms<Room>>,
     tile_rooms: Arc<Rooms<TileRoom>>,
-    pixels: Arc<Spare<u8>>,
+    bytes: Arc<Spare<u8>>,
     numbers: Arc<Spare<f32>>,
 }
 
@@ -66,7 +67,7 @@ impl Cpu {
             skins: Arc::default(),
             rooms: Arc::default(),
             tile_rooms: Arc::default(),
-            pixels: Arc::default(),
+            bytes: Arc::default(),
             numbers: Arc::default(),
         }
     }
@@ -96,41 +97,89 @@ impl Cpu {
 
     /// `None` where it was no longer wanted.
     pub fn render(&self, plan: &Plan, spread: Spread<'_>) -> Option<Outputs> {
-        match &plan.wanted {
-            Wanted::Picture(picture) => {
-                let skinned = self.skin(plan.shown_instances(), spread)?;
-                let frame = self.draw(plan, picture, &skinned, spread)?;
-                Some(Outputs::Picture(frame))
-            }
-            Wanted::Vertices(queries) => {
-                let of_query =
-                    |query: &VertexQuery| self.vertices(&plan.instances[0], query, spread);
-                let vertices = queries.iter().map(of_query).collect();
-                spread.is_wanted().then_some(Outputs::Vertices(vertices))
+        let skinned = match plan.image {
+            Some(_) => Some(self.skin(plan, spread)?),
+            None => None,
+        };
+        self.outputs(plan, skinned.as_ref(), spread)
+    }
+
+    /// Of a plan with a picture, `skinned` are at least the skins that this [shows](Plan::drawn). Queries read them too, as far as they
+    /// ask for the same skins. `None` where it was no longer wanted.
+    pub fn outputs(
+        &self,
+        plan: &Plan,
+        skinned: Option<&Skinned>,
+        spread: Spread<'_>,
+    ) -> Option<Outputs> {
+        let mut outputs = Outputs::default();
+        if let (Some(image), Some(skinned)) = (&plan.image, skinned) {
+            for kind in &image.outputs {
+                outputs.images.push(match kind {
+                    ImageKind::Color => self.color(plan, &image.scene, skinned, spread)?,
+                });
             }
         }
+        for query in &plan.vertices {
+            let skin = plan.instances[query.instance].skin();
+            outputs
+                .vertices
+                .push(self.vertices(skin, query, skinned, spread));
+        }
+        spread.is_wanted().then_some(outputs)
     }
 
     fn vertices(
         &self,
-        instance: &Instance,
+        skin: &Skin,
         query: &VertexQuery,
+        skinned: Option<&Skinned>,
         spread: Spread<'_>,
     ) -> SkinnedVertices {
+        let kept = skinned.and_then(|skinned| {
+            let vertices = skinned.vertices();
+            let own = vertices.range_of(skin)?;
+            let (_, of_mesh) = skinned::meshes(skin, own.start).nth(query.mesh)?;
+            let first = of_mesh.start + query.start;
+            let range = first..first + query.count;
+            Some((&vertices.positions[range.clone()], &vertices.normals[range]))
+        });
+        let copied = |from: &[[f32; 3]]| {
+            let mut numbers = self.numbers.take(from.as_flattened().len());
+            numbers.copy_from_slice(from.as_flattened());
+            numbers
+        };
+        let (positions, normals) = match kept {
+            Some((positions, normals)) => (
+                query.positions.then(|| copied(positions)),
+                query.normals.then(|| copied(normals)),
+            ),
+            None => self.skin_query(skin, query, spread),
+        };
+        SkinnedVertices {
+            vertex_count: query.count,
+            positions,
+            normals,
+        }
+    }
+
+    /// Positions and normals of the vertices that are asked for, and of no others.
+    fn skin_query(
+        &self,
+        skin: &Skin,
+        query: &VertexQuery,
+        spread: Spread<'_>,
+    ) -> (Option<Pooled<f32>>, Option<Pooled<f32>>) {
         let mut positions = self.numbers.take(3 * query.count);
         let mut normals = query.normals.then(|| self.numbers.take(3 * query.count));
         self.skin_range(
-            &SkinJob::new(instance, &instance.rig().meshes()[query.mesh]),
+            &SkinJob::new(skin, &skin.rig().meshes()[query.mesh]),
             query.start,
             bytemuck::cast_slice_mut(&mut positions),
             normals.as_deref_mut().map(bytemuck::cast_slice_mut),
             spread,
         );
-        SkinnedVertices {
-            vertex_count: query.count,
-            positions: query.positions.then_some(positions),
-            normals,
-        }
+        (query.positions.then_some(positions), normals)
     }
 
     fn skin_range(
@@ -168,11 +217,11 @@ impl Cpu {
 }
 
 impl<'a> SkinJob<'a> {
-    fn new(instance: &'a Instance, mesh: &'a Mesh) -> Self {
+    fn new(skin: &'a Skin, mesh: &'a Mesh) -> Self {
         Self {
             mesh,
-            palette: instance.palette(),
-            morph_weights: instance.morph_weights(),
+            palette: skin.palette(),
+            morph_weights: skin.morph_weights(),
         }
     }
 }

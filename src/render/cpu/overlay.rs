@@ -186,7 +186,7 @@ impl Overlay {
                         let pixel = usize::from(hit.pixel);
                         gather.fragment::<S, true>(simd, pixel, hit.number, count, place);
                     }
-                    shade::<S, true>(simd, picture.view, under.fragments);
+                    shade::<S, true>(simd, picture.view, picture.plain, under.fragments);
                     for (hit, color) in hits.iter().zip(&under.fragments.color) {
                         let first = usize::from(hit.block) * BLOCK_PIXELS + usize::from(hit.pixel);
                         let there = &mut self.colors[first * samples..][..samples];

@@ -3,21 +3,24 @@
 use super::bin::{Chunk, Grid, TILE};
 use super::coated::Coated;
 use super::geometry::{Geometry, Layer, Paint, Surface};
+use super::instance::DrawnInstance;
 use super::lines;
 use super::project::{Projected, Projection};
 use super::resolve::Resolve;
 use super::room::Room;
 use super::samples::Pattern;
-use super::skinned::{Skinned, Vertices, in_order};
+use super::skinned::{Skinned, Vertices, meshes};
 use super::tile::Picturing;
 use super::{Cpu, PORTION, Spread};
-use crate::frame::Frame;
+use crate::frame::{ImageKind, Raster};
 use crate::render::cull::{self, Culling};
+use crate::render::instance_params::InstanceParams;
 use crate::render::order::blending_parts;
 use crate::render::view::View;
-use crate::render::{Picture, Plan};
-use crate::rig::{Mesh, Opacity, Part, Rig};
-use crate::scene::Bounds;
+use crate::render::{Instance, Plan, SkeletonView};
+use crate::rig::{Mesh, Opacity, Part};
+use crate::scene::{Bounds, Scene};
+use bytemuck::Zeroable;
 use fearless_simd::dispatch;
 use glam::Vec3;
 use std::ops::Range;
@@ -26,29 +29,37 @@ use std::ops::Range;
 #[derive(Clone, Copy)]
 struct Subject<'a> {
     plan: &'a Plan,
-    picture: &'a Picture,
-    /// The vertices of those instances that are shown.
+    scene: &'a Scene,
+    /// The vertices of those instances whose skin is shown.
     skin: &'a Vertices,
 }
 
+/// Of the solids of all instances, in model space.
+#[derive(Default)]
+pub(super) struct SolidVertices {
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+}
+
 impl Cpu {
-    /// The `picture` that `plan` is of. `skinned` are its [shown instances](Plan::shown_instances). `None` where it was no longer wanted.
-    pub fn draw(
+    /// The color picture of `plan`. `skinned` are at least the skins that it [shows](Plan::drawn). `None` where it was no longer wanted.
+    pub(super) fn color(
         &self,
         plan: &Plan,
-        picture: &Picture,
+        scene: &Scene,
         skinned: &Skinned,
         spread: Spread<'_>,
-    ) -> Option<Frame> {
+    ) -> Option<Raster> {
         let subject = Subject {
             plan,
-            picture,
+            scene,
             skin: skinned.vertices(),
         };
-        let view = View::of(picture);
-        let projection = Projection::of(&view);
+        let view = View::of(scene);
         let mut room = self.rooms.take();
-        self.place(subject, &projection, &mut room, spread);
+        self.place(subject, &mut room, spread);
+        let first = room.instances.first();
+        let plain = first.map_or_else(InstanceParams::zeroed, |first| first.params);
         let mut chunks = std::mem::take(&mut room.chunks);
         blending_parts(plan, &mut room.blending);
         let lists = Lists {
@@ -64,18 +75,15 @@ impl Cpu {
             first_blending,
         } = lists.filled(subject, &room);
         let geometry = Geometry {
+            instances: &room.instances,
             surfaces: &surfaces,
             first_blending,
             coated: &coated,
             projected: &room.projected,
             line_corners: &room.line_corners,
-            projection: &projection,
         };
 
-        let (grid, pattern) = (
-            Grid::of(picture.scene.size),
-            Pattern::of(picture.scene.samples),
-        );
+        let (grid, pattern) = (Grid::of(scene.size), Pattern::of(scene.samples));
         let triangles = geometry.triangle_count();
         let portions = spread.count(triangles, PORTION);
         if chunks.len() < portions {
@@ -94,79 +102,138 @@ impl Cpu {
             grid,
             pattern,
             view: &view,
+            plain: &plain,
+            has_finishes: !coated.is_empty() || !are_finished_alike(&room.instances),
             resolve: Resolve {
-                background: picture.scene.background.premultiplied().to_array(),
+                background: scene.background.premultiplied().to_array(),
                 sample_count: pattern.count(),
-                opacity: view.opacity,
+                opacity: layer_opacity(plan),
             },
-            has_skin_layer: picture.is_translucent(),
+            has_skin_layer: plan.is_translucent(),
             spread,
         };
         // Otherwise not everything was sorted.
-        let frame = spread.is_wanted().then(|| self.paint(&picturing, spread));
+        let color = spread.is_wanted().then(|| self.paint(&picturing, spread));
         let (surfaces, coated) = (emptied(surfaces), emptied(coated));
         (room.surfaces, room.coated, room.meshes) = (surfaces, coated, emptied(meshes));
         room.chunks = chunks;
-        frame.filter(|_| spread.is_wanted())
+        color.filter(|_| spread.is_wanted())
     }
 
-    /// Every vertex onto the picture: of the skin, of solids, of lines.
-    fn place(
-        &self,
-        subject: Subject<'_>,
-        projection: &Projection,
-        room: &mut Room,
-        spread: Spread<'_>,
-    ) {
-        let skeleton = &subject.picture.skeleton;
+    /// Every vertex onto the picture: of skins, of solids, of lines.
+    fn place(&self, subject: Subject<'_>, room: &mut Room, spread: Spread<'_>) {
+        room.lay_out(subject);
         let Room {
+            instances,
             solids,
             projected,
             line_corners,
-            line_triangles,
             ..
         } = room;
-        lines::lay_out(&skeleton.lines, projection, line_corners, line_triangles);
-        solids.positions.clear();
-        solids.normals.clear();
-        let of_solids = skeleton.solids.vertices.iter();
-        solids
-            .positions
-            .extend(of_solids.clone().map(|vertex| vertex.position.to_array()));
-        solids
-            .normals
-            .extend(of_solids.map(|vertex| vertex.normal.to_array()));
-        let in_world = [&subject.skin.positions, &solids.positions];
-        let all = in_world.map(Vec::len).iter().sum::<usize>() + line_corners.len();
-        projected.resize(all, Projected::default());
         let mut rest = projected.as_mut_slice();
-        for positions in in_world {
-            let (own, others) = rest.split_at_mut(positions.len());
+        let mut project = |projection: &Projection, positions: &[[f32; 3]]| {
+            let (own, others) = std::mem::take(&mut rest).split_at_mut(positions.len());
             spread.portions(own, PORTION, |index, projected| {
                 let own = &positions[index * PORTION..][..projected.len()];
                 projection.project(self.level, own, projected);
             });
             rest = others;
+        };
+        for instance in instances.iter() {
+            project(
+                &instance.projection,
+                &subject.skin.positions[instance.skin.clone()],
+            );
         }
-        for (projected, corner) in rest.iter_mut().zip(line_corners) {
-            *projected = projection.place_of(*corner);
+        for instance in instances.iter() {
+            project(
+                &instance.projection,
+                &solids.positions[instance.solids.clone()],
+            );
+        }
+        for instance in instances.iter() {
+            let corners = lines::corners(&instance.lines);
+            let (own, others) = std::mem::take(&mut rest).split_at_mut(corners.len());
+            for (projected, corner) in own.iter_mut().zip(&line_corners[corners]) {
+                *projected = instance.projection.place_of(*corner);
+            }
+            rest = others;
         }
     }
 
     /// Tile by tile.
-    fn paint(&self, picturing: &Picturing<'_>, spread: Spread<'_>) -> Frame {
+    fn paint(&self, picturing: &Picturing<'_>, spread: Spread<'_>) -> Raster {
         let Grid { size, columns, .. } = picturing.grid;
-        let mut pixels = self.pixels.take(4 * size.pixels());
+        let kind = ImageKind::Color;
+        let mut bytes = self.bytes.take(kind.bytes(size));
         let band_bytes = 4 * size.width as usize * TILE[1] as usize;
-        spread.portions(&mut pixels, band_bytes, |row, band| {
+        spread.portions(&mut bytes, band_bytes, |row, band| {
             let mut room = self.tile_rooms.take();
             for column in (0..columns).take_while(|_| spread.is_wanted()) {
                 let at = [column, row as u32];
                 dispatch!(self.level, simd => room.draw(simd, picturing, at, band));
             }
         });
-        Frame { size, pixels }
+        Raster { kind, size, bytes }
     }
+}
+
+impl Room {
+    /// Says where the vertices of each instance stand, and lays out those of skeletons.
+    fn lay_out(&mut self, subject: Subject<'_>) {
+        let Subject { plan, scene, skin } = subject;
+        let Self {
+            instances,
+            solids: SolidVertices { positions, normals },
+            projected,
+            line_corners,
+            line_triangles,
+            ..
+        } = self;
+        instances.clear();
+        positions.clear();
+        normals.clear();
+        line_corners.clear();
+        line_triangles.clear();
+        let mut skin_vertices = 0;
+        for instance in &plan.instances {
+            let mut drawn = DrawnInstance::of(instance, scene);
+            if instance.shows_skin() {
+                drawn.skin = skin.range_of(instance.skin()).unwrap_or_default();
+            }
+            drawn.first_projected = skin_vertices;
+            skin_vertices += drawn.skin.len();
+            let SkeletonView { lines, solids } = instance.skeleton();
+            let (first_line, first_solid) = (line_corners.len() / lines::CORNERS, positions.len());
+            lines::add(lines, &drawn.projection, line_corners, line_triangles);
+            let of_solids = solids.vertices.iter();
+            positions.extend(of_solids.clone().map(|vertex| vertex.position.to_array()));
+            normals.extend(of_solids.map(|vertex| vertex.normal.to_array()));
+            drawn.lines = first_line..first_line + lines.len();
+            drawn.solids = first_solid..positions.len();
+            instances.push(drawn);
+        }
+        let all = skin_vertices + positions.len() + line_corners.len();
+        projected.resize(all, Projected::default());
+    }
+}
+
+/// Whether surfaces of all of them that have no material of their own are lit alike.
+fn are_finished_alike(instances: &[DrawnInstance]) -> bool {
+    instances.windows(2).all(|pair| {
+        let [one, other] = [&pair[0].params, &pair[1].params];
+        one.specular == other.specular
+            && one.shininess == other.shininess
+            && one.least_distance_squared == other.least_distance_squared
+    })
+}
+
+/// How much of the layer of translucent skin hides what is behind it.
+fn layer_opacity(plan: &Plan) -> f32 {
+    let translucent = plan.drawn().find(|(_, instance)| instance.is_translucent());
+    translucent.map_or(1.0, |(_, instance)| {
+        instance.appearance().show.skin_opacity()
+    })
 }
 
 /// All surfaces of a picture, and the coats of some of them.
@@ -182,46 +249,31 @@ struct Lists<'a> {
 pub(super) struct SkinMesh<'a> {
     /// Indices of both.
     at: [usize; 2],
-    rig: &'a Rig,
+    instance: &'a Instance,
     mesh: &'a Mesh,
-    /// Which vertices of the skin are its own.
+    /// Which of the skinned vertices are its own.
     own: Range<usize>,
+    /// Where its vertices start among all that is projected.
+    first_projected: usize,
     culling: Culling,
 }
 
 impl<'a> Lists<'a> {
-    /// The skeleton first, then the skin: what blends last, in its order.
+    /// Skeletons first, then skins: what blends last, in its order.
     fn filled(mut self, subject: Subject<'a>, room: &'a Room) -> Self {
-        let skeleton = &subject.picture.skeleton;
-        let solids = &room.solids;
-        let first_solid = subject.skin.positions.len() as u32;
-        self.add(Surface {
-            triangles: &room.line_triangles,
-            positions: &[],
-            normals: &[],
-            first_vertex: first_solid + solids.positions.len() as u32,
-            paint: Paint::Lines(&skeleton.lines),
-            ..Surface::default()
-        });
-        self.add(Surface {
-            triangles: &skeleton.solids.triangles,
-            positions: &solids.positions,
-            normals: &solids.normals,
-            first_vertex: first_solid,
-            paint: Paint::Solids(&skeleton.solids.vertices),
-            ..Surface::default()
-        });
-        self.find_meshes(subject);
-        let is_translucent = subject.picture.is_translucent();
-        let layer = if is_translucent {
-            Layer::Skin
-        } else {
-            Layer::Base
-        };
+        self.add_skeletons(subject, room);
+        self.find_meshes(subject, &room.instances);
         for index in 0..self.meshes.len() {
-            let SkinMesh { rig, mesh, .. } = self.meshes[index];
+            let SkinMesh { instance, mesh, .. } = self.meshes[index];
+            let is_translucent = instance.is_translucent();
+            let layer = if is_translucent {
+                Layer::Skin
+            } else {
+                Layer::Base
+            };
             for part in mesh.parts() {
-                let material = rig.material_of(part, subject.picture.scene.surface.variant);
+                let variant = instance.appearance().surface.variant;
+                let material = instance.rig().material_of(part, variant);
                 let blends = material.is_some_and(|it| it.opacity == Opacity::Blend);
                 if is_translucent || !blends {
                     self.add_part(subject, index, part, layer);
@@ -239,55 +291,97 @@ impl<'a> Lists<'a> {
         self
     }
 
-    /// Every mesh of the skin that has something to draw.
-    fn find_meshes(&mut self, subject: Subject<'a>) {
-        let Subject {
-            plan,
-            picture,
-            skin,
-        } = subject;
-        for (at, instance, mesh, own) in in_order(plan.shown_instances()) {
-            if mesh.parts().is_empty() {
-                continue;
+    fn add_skeletons(&mut self, subject: Subject<'a>, room: &'a Room) {
+        let solids = &room.solids;
+        let first_line = (room.projected.len() - room.line_corners.len()) as u32;
+        let first_solid = first_line - solids.positions.len() as u32;
+        for (index, (instance, drawn)) in subject
+            .plan
+            .instances
+            .iter()
+            .zip(&room.instances)
+            .enumerate()
+        {
+            let skeleton = instance.skeleton();
+            let instance = index as u32;
+            self.add(Surface {
+                triangles: &room.line_triangles[lines::triangles(&drawn.lines)],
+                instance,
+                positions: &[],
+                normals: &[],
+                first_vertex: first_line,
+                paint: Paint::Lines(&skeleton.lines),
+                ..Surface::default()
+            });
+            self.add(Surface {
+                triangles: &skeleton.solids.triangles,
+                instance,
+                positions: &solids.positions[drawn.solids.clone()],
+                normals: &solids.normals[drawn.solids.clone()],
+                first_vertex: first_solid + drawn.solids.start as u32,
+                paint: Paint::Solids(&skeleton.solids.vertices),
+                ..Surface::default()
+            });
+        }
+    }
+
+    /// Every mesh of a skin that has something to draw.
+    fn find_meshes(&mut self, subject: Subject<'a>, drawn: &[DrawnInstance]) {
+        let Subject { plan, scene, skin } = subject;
+        for (index, instance) in plan.drawn() {
+            let DrawnInstance {
+                skin: ref own,
+                first_projected,
+                ..
+            } = drawn[index];
+            let first = own.start;
+            for (mesh_index, (mesh, own)) in meshes(instance.skin(), first).enumerate() {
+                if mesh.parts().is_empty() {
+                    continue;
+                }
+                // Where no box is known beforehand, the vertices themselves tell.
+                let bounds = cull::reach(instance.skin(), mesh).or_else(|| {
+                    let skinned = skin.positions[own.clone()].iter();
+                    Bounds::of(skinned.map(|position| Vec3::from_array(*position).as_dvec3()))
+                });
+                self.meshes.push(SkinMesh {
+                    at: [index, mesh_index],
+                    instance,
+                    mesh,
+                    first_projected: first_projected + own.start - first,
+                    own,
+                    culling: Culling::of(instance, mesh, &scene.camera, bounds),
+                });
             }
-            // Where no box is known beforehand, the vertices themselves tell.
-            let bounds = cull::reach(instance, mesh).or_else(|| {
-                let skinned = skin.positions[own.clone()].iter();
-                Bounds::of(skinned.map(|position| Vec3::from_array(*position).as_dvec3()))
-            });
-            self.meshes.push(SkinMesh {
-                at,
-                rig: instance.rig(),
-                mesh,
-                own,
-                culling: Culling::of(instance, mesh, &picture.scene, bounds),
-            });
         }
     }
 
     /// A part of the mesh of this index.
     fn add_part(&mut self, subject: Subject<'a>, mesh: usize, part: &Part, layer: Layer) {
         let SkinMesh {
-            rig,
+            at: [index, _],
+            instance,
             mesh,
             ref own,
+            first_projected,
             culling,
-            ..
         } = self.meshes[mesh];
         let own = own.clone();
-        let Subject { picture, skin, .. } = subject;
-        let coated = Coated::of(rig, mesh, part, &picture.scene.surface);
+        let skin = subject.skin;
+        let (rig, surface) = (instance.rig(), &instance.appearance().surface);
+        let coated = Coated::of(rig, mesh, part, surface);
         let paint = match coated {
             Some(_) => Paint::Coated(self.coated.len() as u32),
-            None => Paint::of(rig, mesh, part, picture.scene.surface.variant),
+            None => Paint::of(rig, mesh, part, surface.variant),
         };
         self.coated.extend(coated);
         for piece in culling.pieces(part) {
             self.add(Surface {
                 triangles: &mesh.draw_triangles()[piece.triangles],
+                instance: index as u32,
                 positions: &skin.positions[own.clone()],
                 normals: &skin.normals[own.clone()],
-                first_vertex: own.start as u32,
+                first_vertex: first_projected as u32,
                 paint,
                 layer,
                 culled: piece.culled,

@@ -1,10 +1,11 @@
-//! From world space onto the picture, in fixed point: what is drawn is decided by whole numbers, so that neighbouring triangles agree
+//! From model space onto the picture, in fixed point: what is drawn is decided by whole numbers, so that neighbouring triangles agree
 //! about every sample of the edge between them. Never lives here: which samples those are.
 
 use super::lanes::{LANES, Lanes, Vectors, WholeLanes};
-use crate::render::view::View;
+use crate::scene::Size;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
+use glam::Mat4;
 
 /// Steps of a fixed-point coordinate to a pixel, as GPUs have them.
 pub(super) const STEPS: i32 = 256;
@@ -41,18 +42,18 @@ impl Projected {
     }
 }
 
-/// A camera, as vertices go through it.
+/// A camera and an instance before it, as vertices go through both.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Projection {
-    clip_from_world: [[f32; 4]; 4],
+    clip_from_model: [[f32; 4]; 4],
     half_size: [f32; 2],
 }
 
 impl Projection {
-    pub fn of(view: &View) -> Self {
+    pub fn new(clip_from_model: Mat4, size: Size) -> Self {
         Self {
-            clip_from_world: view.clip_from_world.to_cols_array_2d(),
-            half_size: (view.size_pixels / 2.0).to_array(),
+            clip_from_model: clip_from_model.to_cols_array_2d(),
+            half_size: [size.width, size.height].map(|side| side as f32 / 2.0),
         }
     }
 
@@ -73,7 +74,7 @@ impl Projection {
 
     /// One point, with the numbers that many at a time come to.
     pub fn clip_of(&self, [x, y, z]: [f32; 3]) -> [f32; 4] {
-        let [a, b, c, d] = self.clip_from_world;
+        let [a, b, c, d] = self.clip_from_model;
         [0, 1, 2, 3].map(|row| a[row] * x + b[row] * y + c[row] * z + d[row])
     }
 
@@ -119,7 +120,7 @@ impl Projection {
 
     #[inline(always)]
     fn clip<S: Simd>(&self, Vectors { x, y, z }: Vectors<S>) -> [Lanes<S>; 4] {
-        let [a, b, c, d] = self.clip_from_world;
+        let [a, b, c, d] = self.clip_from_model;
         let mut clip = [x; 4];
         for row in 0..4 {
             clip[row] = x * a[row] + y * b[row] + z * c[row] + d[row];

@@ -3,9 +3,9 @@
 use super::bin::Chunk;
 use super::coated::Coated;
 use super::geometry::Surface;
-use super::picture::SkinMesh;
+use super::instance::DrawnInstance;
+use super::picture::{SkinMesh, SolidVertices};
 use super::project::Projected;
-use super::skinned::Vertices;
 use crate::render::order::PartPlace;
 use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -13,7 +13,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// What one picture needs until it is drawn.
 #[derive(Default)]
 pub(super) struct Room {
-    pub solids: Vertices,
+    pub instances: Vec<DrawnInstance>,
+    pub solids: SolidVertices,
     pub projected: Vec<Projected>,
     pub line_corners: Vec<[f32; 4]>,
     pub line_triangles: Vec<[u32; 3]>,

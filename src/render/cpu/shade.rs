@@ -1,6 +1,7 @@
 //! Stage 3, shade: the twin of `shaders/light.wgsl`, for many fragments at a time. A fragment is what a triangle shows of one pixel.
 
 use super::lanes::{LANES, Lanes, Vectors, held, power, powers, rows_of, transposed};
+use crate::render::instance_params::InstanceParams;
 use crate::render::view::View;
 use fearless_simd::f32x4;
 use fearless_simd::prelude::*;
@@ -26,7 +27,8 @@ pub(super) struct Finish {
     pub emissive: [f32; 4],
     /// What a normal map says: how far to the right, up and out of the surface; and 1. Nothing of what has none.
     pub mapped: [f32; 4],
-    /// Unit vectors that the map leans along.
+    /// Unit vectors that the map leans along. Behind the first one stands the smallest squared distance that an inverse-square light is
+    /// divided by.
     pub right: [f32; 4],
     pub up: [f32; 4],
 }
@@ -34,10 +36,11 @@ pub(super) struct Finish {
 impl Finish {
     /// Of what has no coat.
     #[inline(always)]
-    pub fn plain(view: &View) -> Self {
+    pub fn plain(params: &InstanceParams) -> Self {
         Self {
-            specular: view.specular.extend(view.shininess).to_array(),
+            specular: params.specular.extend(params.shininess).to_array(),
             emissive: [0.0, 0.0, 0.0, 1.0],
+            right: [0.0, 0.0, 0.0, params.least_distance_squared],
             ..Self::default()
         }
     }
@@ -92,9 +95,14 @@ impl Default for Fragments {
     }
 }
 
-/// Colors all fragments. `COATED`: each has a finish.
+/// Colors all fragments. `COATED`: each has a finish; otherwise that of all is the one of `plain`.
 #[inline(always)]
-pub(super) fn shade<S: Simd, const COATED: bool>(simd: S, view: &View, fragments: &mut Fragments) {
+pub(super) fn shade<S: Simd, const COATED: bool>(
+    simd: S,
+    view: &View,
+    plain: &InstanceParams,
+    fragments: &mut Fragments,
+) {
     let groups = fragments.count.div_ceil(LANES);
     for group in 0..groups {
         let given = &fragments.given.as_chunks::<LANES>().0[group];
@@ -136,7 +144,7 @@ pub(super) fn shade<S: Simd, const COATED: bool>(simd: S, view: &View, fragments
                 alpha,
             ])
         } else {
-            let lit = blinn_phong(simd, view, position, normal, diffuse, view);
+            let lit = blinn_phong(simd, view, position, normal, diffuse, plain);
             rows_of([
                 is_lit.select(lit.x, red),
                 is_lit.select(lit.y, green),
@@ -164,12 +172,15 @@ trait Finished<S: Simd> {
     /// Unit normals as a map leans them.
     fn leaning(&self, normal: Vectors<S>) -> Vectors<S>;
 
+    /// What an inverse-square light at this squared distance is divided by.
+    fn at_least(&self, distance_squared: Lanes<S>) -> Lanes<S>;
+
     /// With what it gives off.
     fn glowing(&self, color: Vectors<S>) -> Vectors<S>;
 }
 
-/// All of a picture alike.
-impl<S: Simd> Finished<S> for View {
+/// All of an instance alike.
+impl<S: Simd> Finished<S> for InstanceParams {
     #[inline(always)]
     fn has_highlight(&self) -> bool {
         self.specular.max_element() > 0.0
@@ -196,6 +207,11 @@ impl<S: Simd> Finished<S> for View {
     }
 
     #[inline(always)]
+    fn at_least(&self, distance_squared: Lanes<S>) -> Lanes<S> {
+        distance_squared.max(self.least_distance_squared)
+    }
+
+    #[inline(always)]
     fn glowing(&self, color: Vectors<S>) -> Vectors<S> {
         color
     }
@@ -211,6 +227,7 @@ struct Finishes<S: Simd> {
     is_mapped: Lanes<S>,
     right: Vectors<S>,
     up: Vectors<S>,
+    least_distance_squared: Lanes<S>,
 }
 
 impl<S: Simd> Finishes<S> {
@@ -227,6 +244,7 @@ impl<S: Simd> Finishes<S> {
         let (specular, shininess) = vectors(transposed(rows[0]));
         let (emissive, alpha) = vectors(transposed(rows[1]));
         let (mapped, is_mapped) = vectors(transposed(rows[2]));
+        let (right, least_distance_squared) = vectors(transposed(rows[3]));
         Self {
             specular,
             shininess,
@@ -234,8 +252,9 @@ impl<S: Simd> Finishes<S> {
             alpha,
             mapped,
             is_mapped,
-            right: vectors(transposed(rows[3])).0,
+            right,
             up: vectors(transposed(rows[4])).0,
+            least_distance_squared,
         }
     }
 }
@@ -281,6 +300,11 @@ impl<S: Simd> Finished<S> for Finishes<S> {
             y: is_mapped.select(leaning.y, normal.y),
             z: is_mapped.select(leaning.z, normal.z),
         }
+    }
+
+    #[inline(always)]
+    fn at_least(&self, distance_squared: Lanes<S>) -> Lanes<S> {
+        distance_squared.max(self.least_distance_squared)
     }
 
     #[inline(always)]
@@ -336,7 +360,7 @@ fn blinn_phong<S: Simd, F: Finished<S>>(
         let [lr, lg, lb, falls_off] = light.radiance.to_array();
         let strength = if falls_off == 1.0 {
             let distance_squared = to_light.dot(to_light);
-            1.0 / distance_squared.max(view.least_distance_squared)
+            1.0 / finish.at_least(distance_squared)
         } else {
             Lanes::splat(simd, 1.0)
         };

@@ -8,7 +8,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f32x4};
 use glam::Vec4;
 
-/// Positions and unit normals in world space, of every draw vertex of `mesh` in its own order. `palette` and `morph_weights` are of its rig.
+/// Positions and unit normals in model space, of every draw vertex of `mesh` in its own order. `palette` and `morph_weights` are of its rig.
 pub fn skin_mesh(
     mesh: &Mesh,
     palette: &Palette,

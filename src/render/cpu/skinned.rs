@@ -1,68 +1,91 @@
-//! Skinned vertices, to be drawn from any number of times. Never lives here: how a vertex is skinned.
+//! Skinned vertices, to be drawn and copied from any number of times. Never lives here: how a vertex is skinned.
 
 use super::room::Lent;
 use super::skin::SkinJob;
 use super::{Cpu, Spread};
-use crate::render::Instance;
+use crate::render::{Plan, Skin};
 use crate::rig::Mesh;
 use std::ops::Range;
 
-/// Every vertex of some instances. Its memory goes back to the renderer.
+/// Every draw vertex of some skins, in model space. Its memory goes back to the renderer.
 pub struct Skinned(Lent<Vertices>);
 
-/// Of all meshes of all instances, one after another.
+/// Of all meshes of all skins, one after another.
 #[derive(Default)]
 pub(super) struct Vertices {
     pub positions: Vec<[f32; 3]>,
     pub normals: Vec<[f32; 3]>,
+    /// Distinct, each with the vertices that are its own.
+    skins: Vec<(Skin, Range<usize>)>,
 }
 
 impl Skinned {
     pub(super) fn vertices(&self) -> &Vertices {
         &self.0
     }
-}
 
-impl Cpu {
-    /// `None` where it was no longer wanted.
-    pub fn skin(&self, instances: &[Instance], spread: Spread<'_>) -> Option<Skinned> {
-        let mut vertices = self.skins.take();
-        let all = meshes(instances)
-            .map(|(_, _, mesh)| mesh.draw_vertex_count())
-            .sum();
-        let Vertices { positions, normals } = &mut *vertices;
-        positions.resize(all, [0.0; 3]);
-        normals.resize(all, [0.0; 3]);
-        for (_, instance, mesh, own) in in_order(instances) {
-            self.skin_range(
-                &SkinJob::new(instance, mesh),
-                0,
-                &mut positions[own.clone()],
-                Some(&mut normals[own]),
-                spread,
-            );
-        }
-        spread.is_wanted().then_some(Skinned(vertices))
+    /// Whether the vertices of a skin are among them.
+    pub fn has(&self, skin: &Skin) -> bool {
+        self.0.range_of(skin).is_some()
     }
 }
 
-/// Each with the indices of both.
-fn meshes(instances: &[Instance]) -> impl Iterator<Item = ([usize; 2], &Instance, &Mesh)> {
-    let instances = instances.iter().enumerate();
-    instances.flat_map(|(instance, of_plan)| {
-        let meshes = of_plan.rig().meshes().iter().enumerate();
-        meshes.map(move |(mesh, of_rig)| ([instance, mesh], of_plan, of_rig))
-    })
+impl Drop for Skinned {
+    fn drop(&mut self) {
+        // The memory is kept; the rigs are not.
+        self.0.skins.clear();
+    }
 }
 
-/// Each mesh of each instance, with the indices of both, and which of the vertices are its own.
-pub(super) fn in_order(
-    instances: &[Instance],
-) -> impl Iterator<Item = ([usize; 2], &Instance, &Mesh, Range<usize>)> {
-    let mut first = 0;
-    meshes(instances).map(move |(at, instance, mesh)| {
+impl Vertices {
+    /// Which of them are those of a skin.
+    pub fn range_of(&self, skin: &Skin) -> Option<Range<usize>> {
+        let mut skins = self.skins.iter();
+        let found = skins.find(|(other, _)| other == skin)?;
+        Some(found.1.clone())
+    }
+}
+
+impl Cpu {
+    /// The skins that the picture of a plan shows, each distinct one once. `None` where it was no longer wanted.
+    pub fn skin(&self, plan: &Plan, spread: Spread<'_>) -> Option<Skinned> {
+        let mut skinned = Skinned(self.skins.take());
+        let Vertices {
+            positions,
+            normals,
+            skins,
+        } = &mut *skinned.0;
+        let mut count = 0;
+        for (_, instance) in plan.drawn() {
+            let skin = instance.skin();
+            if !skins.iter().any(|(other, _)| other == skin) {
+                let own = count..count + skin.rig().draw_vertex_count();
+                count = own.end;
+                skins.push((skin.clone(), own));
+            }
+        }
+        positions.resize(count, [0.0; 3]);
+        normals.resize(count, [0.0; 3]);
+        for (skin, own) in skins {
+            for (mesh, own) in meshes(skin, own.start) {
+                self.skin_range(
+                    &SkinJob::new(skin, mesh),
+                    0,
+                    &mut positions[own.clone()],
+                    Some(&mut normals[own]),
+                    spread,
+                );
+            }
+        }
+        spread.is_wanted().then_some(skinned)
+    }
+}
+
+/// Each mesh of a skin, with which vertices are its own where those of the skin start at `first`.
+pub(super) fn meshes(skin: &Skin, mut first: usize) -> impl Iterator<Item = (&Mesh, Range<usize>)> {
+    skin.rig().meshes().iter().map(move |mesh| {
         let own = first..first + mesh.draw_vertex_count();
         first = own.end;
-        (at, instance, mesh, own)
+        (mesh, own)
     })
 }

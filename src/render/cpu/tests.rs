@@ -8,14 +8,15 @@ use super::samples::{
     BLOCK, BLOCK_COLUMNS, BLOCK_PIXELS, NONE, Pattern, STEPS_IN_EIGHTH, TileSamples,
 };
 use super::{Cores, Cpu, Spread};
+use crate::frame::Outputs;
 use crate::limits::Limits;
 use crate::pose::{Pose, Posed, Skinning};
 use crate::random::Random;
-use crate::render::{Outputs, Plan};
+use crate::render::Plan;
 use crate::rig::{Draft, MeshDraft};
 use crate::scene::{
-    Background, Bounds, Camera, Color, Cull, Light, LookAt, Near, Orbit, Samples, Scene, Show,
-    ShowSkeleton, Size, Surface, VertexQuery,
+    Appearance, Background, Bounds, Camera, Color, Light, LookAt, Near, Orbit, Samples, Scene,
+    Show, ShowSkeleton, Size, VertexQuery,
 };
 use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
@@ -321,7 +322,13 @@ fn tangle(random: &mut Random) -> Arc<Posed> {
     Arc::new(Posed::new(&Pose::rest(&rig)).unwrap())
 }
 
-fn scene(width: u32, height: u32, samples: Samples, opacity: f64, distance: f64) -> Scene {
+fn scene(
+    width: u32,
+    height: u32,
+    samples: Samples,
+    opacity: f64,
+    distance: f64,
+) -> (Scene, Appearance) {
     let size = Size { width, height };
     let bounds = Bounds {
         min: glam::DVec3::splat(-0.5),
@@ -332,17 +339,19 @@ fn scene(width: u32, height: u32, samples: Samples, opacity: f64, distance: f64)
         ..Orbit::default()
     };
     let (skin, normals) = Default::default();
-    Scene {
+    let scene = Scene {
         size,
         samples,
         camera: Camera::orbit(orbit, &bounds, size).unwrap(),
         lights: Light::default_pair(),
         ambient: Color::constant(0.1, 0.1, 0.1),
-        surface: Surface::default(),
         background: Background::default(),
+    };
+    let appearance = Appearance {
         show: Show::new(skin, ShowSkeleton::None, normals, opacity).unwrap(),
-        cull: Cull::Auto,
-    }
+        ..Appearance::default()
+    };
+    (scene, appearance)
 }
 
 #[test]
@@ -350,6 +359,7 @@ fn every_vector_unit_and_any_number_of_threads_come_to_the_same_bytes() {
     let mut random = Random(3);
     let posed = tangle(&mut random);
     let all = VertexQuery {
+        instance: 0,
         mesh: 0,
         start: 0,
         count: 9000,
@@ -371,10 +381,11 @@ fn every_vector_unit_and_any_number_of_threads_come_to_the_same_bytes() {
         (131, 67, Samples::One, 1.0, 1.0),
         (64, 33, Samples::Four, 0.4, 0.3),
     ] {
-        let scene = scene(width, height, samples, opacity, distance);
+        let (scene, appearance) = scene(width, height, samples, opacity, distance);
         plans.push(Plan::picture(
             Arc::clone(&posed),
             Skinning::Linear,
+            appearance,
             scene,
             1.0,
         ));
@@ -408,8 +419,8 @@ fn what_was_drawn_before_does_not_show() {
     let mut random = Random(4);
     let posed = tangle(&mut random);
     let plan = |width, opacity, samples| {
-        let scene = scene(width, 90, samples, opacity, 1.5);
-        Plan::picture(Arc::clone(&posed), Skinning::Linear, scene, 1.0)
+        let (scene, appearance) = scene(width, 90, samples, opacity, 1.5);
+        Plan::picture(Arc::clone(&posed), Skinning::Linear, appearance, scene, 1.0)
     };
     let plans = [
         plan(90, 1.0, Samples::Four),
@@ -445,7 +456,7 @@ fn seen_flat<'a>(triangles: impl Iterator<Item = &'a Lit>, width: u32, height: u
     };
     let rig = Arc::new(draft.build(&Limits::default()).unwrap());
     let posed = Arc::new(Posed::new(&Pose::rest(&rig)).unwrap());
-    let mut scene = scene(width, height, Samples::Four, 1.0, 1.0);
+    let (mut scene, appearance) = scene(width, height, Samples::Four, 1.0, 1.0);
     let look = LookAt {
         eye: glam::DVec3::new(0.0, 0.0, 10.0),
         target: glam::DVec3::ZERO,
@@ -459,7 +470,7 @@ fn seen_flat<'a>(triangles: impl Iterator<Item = &'a Lit>, width: u32, height: u
         max: glam::DVec3::splat(0.5),
     };
     scene.camera = Camera::look_at(look, &bounds, scene.size).unwrap();
-    Plan::picture(posed, Skinning::Linear, scene, 1.0)
+    Plan::picture(posed, Skinning::Linear, appearance, scene, 1.0)
 }
 
 /// Random ones, each further ahead than those before it.

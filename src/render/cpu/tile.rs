@@ -14,6 +14,7 @@ use super::resolve::{Resolve, Sums};
 use super::samples::{BLOCK, BLOCK_COLUMNS, BLOCK_PIXELS, NONE, Pattern, TileSamples};
 use super::shade::{Fragments, shade};
 use super::spread::Spread;
+use crate::render::instance_params::InstanceParams;
 use crate::render::view::View;
 use fearless_simd::prelude::*;
 
@@ -24,6 +25,10 @@ pub(super) struct Picturing<'a> {
     pub grid: Grid,
     pub pattern: Pattern,
     pub view: &'a View,
+    /// What surfaces without a material of their own have in common, where `has_finishes` does not hold.
+    pub plain: &'a InstanceParams,
+    /// Whether each fragment has a finish of its own.
+    pub has_finishes: bool,
     pub resolve: Resolve,
     pub has_skin_layer: bool,
     pub spread: Spread<'a>,
@@ -317,12 +322,12 @@ pub(super) fn shade_shown<S: Simd>(
     mut gather: Gather<'_>,
     shown: &[u32],
 ) {
-    if picture.geometry.coated.is_empty() {
+    if !picture.has_finishes {
         match picture.pattern.count() {
             1 => gather.block::<S, 1, false>(simd, shown),
             _ => gather.block::<S, 4, false>(simd, shown),
         }
-        shade::<S, false>(simd, picture.view, gather.fragments);
+        shade::<S, false>(simd, picture.view, picture.plain, gather.fragments);
     } else {
         coated(simd, picture, gather, shown);
     }
@@ -338,7 +343,7 @@ fn coated<S: Simd>(simd: S, picture: &Picturing<'_>, mut gather: Gather<'_>, sho
                 1 => gather.block::<S, 1, true>(simd, shown),
                 _ => gather.block::<S, 4, true>(simd, shown),
             }
-            shade::<S, true>(simd, picture.view, gather.fragments);
+            shade::<S, true>(simd, picture.view, picture.plain, gather.fragments);
         },
     );
 }

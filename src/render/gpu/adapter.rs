@@ -13,7 +13,7 @@ pub fn adapters() -> Vec<AdapterInfo> {
 pub(super) fn choose(
     choice: &AdapterChoice,
     require_gpu: bool,
-) -> Result<wgpu::Adapter, AdapterError> {
+) -> Result<(wgpu::Adapter, AdapterId), AdapterError> {
     // By itself only a real GPU is taken: software drivers are for who asks for them.
     let needs_gpu = require_gpu || *choice == AdapterChoice::Auto;
     let is_allowed = |info: &AdapterInfo| !needs_gpu || info.kind != AdapterKind::Software;
@@ -21,10 +21,12 @@ pub(super) fn choose(
     // Who leaves the choice to us is not to wait for GL's libraries.
     let looks_everywhere = require_gpu || *choice != AdapterChoice::Auto;
     for backends in [Some(NATIVE), looks_everywhere.then_some(LAST)] {
-        for adapter in backends.into_iter().flat_map(found) {
-            let info = info(&adapter.get_info());
+        let adapters = backends.map(found).unwrap_or_default();
+        let infos: Vec<_> = adapters.iter().map(wgpu::Adapter::get_info).collect();
+        for (index, adapter) in adapters.into_iter().enumerate() {
+            let info = info(&infos[index]);
             if choice.takes(&info) && is_allowed(&info) {
-                return Ok(adapter);
+                return Ok((adapter, AdapterId::of(index, &infos)));
             }
             seen.push(info);
         }
@@ -38,6 +40,52 @@ pub(super) fn choose(
             asked: choice.to_string(),
             found: seen,
         }
+    })
+}
+
+/// What tells one adapter of this machine from another, also from an equal card beside it, for as long as nobody rebuilds the machine.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AdapterId {
+    backend: wgpu::Backend,
+    vendor: u32,
+    device: u32,
+    name: String,
+    /// Where the card is plugged in; empty where the driver does not say.
+    pci_bus: String,
+    /// Among those that are the same in all of this, in the driver's order.
+    ordinal: usize,
+}
+
+impl AdapterId {
+    /// Of one of `found`.
+    fn of(index: usize, found: &[wgpu::AdapterInfo]) -> Self {
+        let id = |info: &wgpu::AdapterInfo| Self {
+            backend: info.backend,
+            vendor: info.vendor,
+            device: info.device,
+            name: info.name.clone(),
+            pci_bus: info.device_pci_bus_id.clone(),
+            ordinal: 0,
+        };
+        let own = id(&found[index]);
+        let before = found[..index].iter().filter(|info| id(info) == own);
+        Self {
+            ordinal: before.count(),
+            ..own
+        }
+    }
+}
+
+/// An adapter that was chosen before.
+pub(super) fn find(id: &AdapterId) -> Result<wgpu::Adapter, AdapterError> {
+    let adapters = found(id.backend.into());
+    let infos: Vec<_> = adapters.iter().map(wgpu::Adapter::get_info).collect();
+    let is_it = |index: &usize| AdapterId::of(*index, &infos) == *id;
+    let index = (0..infos.len()).find(is_it);
+    let adapter = index.and_then(|index| adapters.into_iter().nth(index));
+    adapter.ok_or_else(|| AdapterError::NoMatch {
+        asked: id.name.clone(),
+        found: infos.iter().map(info).collect(),
     })
 }
 

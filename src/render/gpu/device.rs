@@ -1,7 +1,7 @@
 //! The device and what can go wrong with it: its limits, its loss, its refusals.
 
-use super::adapter;
-use crate::render::{AdapterChoice, AdapterError, AdapterInfo, Capabilities, RenderError};
+use super::adapter::{self, AdapterId};
+use crate::render::{AdapterError, AdapterInfo, Capabilities, RenderError};
 use pollster::block_on;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -11,6 +11,7 @@ pub(super) struct Device {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
     pub info: AdapterInfo,
+    pub adapter_id: AdapterId,
     pub capabilities: Capabilities,
     /// Of one buffer at the most.
     pub buffer_bytes: u64,
@@ -29,8 +30,7 @@ struct Faults {
 const HANG: Duration = Duration::from_secs(60);
 
 impl Device {
-    pub fn open(choice: &AdapterChoice, require_gpu: bool) -> Result<Self, AdapterError> {
-        let adapter = adapter::choose(choice, require_gpu)?;
+    pub fn open(adapter: &wgpu::Adapter, adapter_id: AdapterId) -> Result<Self, AdapterError> {
         let info = adapter::info(&adapter.get_info());
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("device"),
@@ -74,6 +74,7 @@ impl Device {
             device,
             queue,
             info,
+            adapter_id,
             capabilities,
             buffer_bytes,
             // naga writes GLSL that reads an array of masks as if it were one, which does not compile.

@@ -6,14 +6,17 @@ use super::shade::Drawing;
 use super::skin::SkinnedRig;
 use super::upload::Dressing;
 use super::wear::{Stretch, Wear};
+use crate::render::Instance;
 use crate::render::cull::{self, Culling};
 use crate::render::order::PartPlace;
-use crate::render::{Instance, Picture};
+use crate::scene::Samples;
 use std::ops::Range;
 
 /// Triangles of one instance that are drawn alike.
 pub(super) struct Draw<'a> {
     pub variant: Variant,
+    /// Where the numbers of the instance are bound.
+    pub params_offset: u32,
     pub place: &'a SkinnedRig<'a>,
     pub wear: &'a Wear,
     /// Where its coat is bound, if it wears one.
@@ -31,8 +34,10 @@ pub(super) struct Draws<'a> {
 
 /// An instance as a picture shows it.
 struct Dressed<'a> {
-    picture: &'a Picture,
+    index: usize,
     instance: &'a Instance,
+    samples: Samples,
+    params_offset: u32,
     place: &'a SkinnedRig<'a>,
     dressing: &'a Dressing,
     given: Given,
@@ -43,18 +48,22 @@ struct Dressed<'a> {
 }
 
 impl<'a> Draws<'a> {
-    /// `order` is that of the parts that blend.
-    pub fn of(drawing: &Drawing<'a>, order: &[(f64, PartPlace)], coats: &mut Coats) -> Self {
-        let picture = drawing.picture;
-        let dressed = drawing.skin.iter().map(|skin| {
-            let (instance, place) = (*skin)?;
-            Some(Dressed::new(picture, instance, place, coats))
+    /// `params_offset` says where the numbers of an instance are bound; `order` is that of the parts that blend.
+    pub fn of(
+        drawing: &Drawing<'a>,
+        params_offset: impl Fn(usize) -> u32,
+        order: &[(f64, PartPlace)],
+        coats: &mut Coats,
+    ) -> Self {
+        let dressed = drawing.skins.iter().map(|&(index, place)| {
+            let offset = params_offset(index);
+            Dressed::new(drawing, index, place, offset, coats)
         });
-        let dressed: Vec<Option<Dressed<'a>>> = dressed.collect();
+        let dressed: Vec<Dressed<'a>> = dressed.collect();
         let mut draws = Self::default();
-        for dressed in dressed.iter().flatten() {
+        for dressed in &dressed {
             for (stretch, indices) in &dressed.dressing.stretches {
-                if picture.is_translucent() {
+                if dressed.instance.is_translucent() {
                     // Only the nearest of it is seen, whatever it is made of.
                     add(&mut draws.layer, dressed.draw(stretch, indices));
                 } else if !stretch.blends {
@@ -64,9 +73,11 @@ impl<'a> Draws<'a> {
         }
         for (_, part) in order {
             // Nothing is there of an instance without triangles.
-            let Some(dressed) = &dressed[part.instance] else {
+            let found = dressed.binary_search_by_key(&part.instance, |dressed| dressed.index);
+            let Ok(found) = found else {
                 continue;
             };
+            let dressed = &dressed[found];
             for (stretch, indices) in dressed.dressing.blending(part.mesh, part.part) {
                 add(&mut draws.base, dressed.draw(stretch, indices));
             }
@@ -89,19 +100,21 @@ fn add<'a>(draws: &mut Vec<Draw<'a>>, draw: Draw<'a>) {
 
 impl<'a> Dressed<'a> {
     fn new(
-        picture: &'a Picture,
-        instance: &'a Instance,
+        drawing: &Drawing<'a>,
+        index: usize,
         place: &'a SkinnedRig<'a>,
+        params_offset: u32,
         coats: &mut Coats,
     ) -> Self {
         // Indices count from the rig's first vertex.
         debug_assert_eq!(place.first_vertex, 0, "pictures skin all of a rig");
+        let instance = &drawing.plan.instances[index];
         let rig = instance.rig();
         let cullings = rig.meshes().iter().map(|mesh| {
-            let reach = cull::reach(instance, mesh);
-            Culling::of(instance, mesh, &picture.scene, reach)
+            let reach = cull::reach(instance.skin(), mesh);
+            Culling::of(instance, mesh, &drawing.scene.camera, reach)
         });
-        let surface = &picture.scene.surface;
+        let surface = &instance.appearance().surface;
         let dressing = place.rig.dressing(surface.variant);
         // What other variants wear needs no coat.
         let mut of_wears = vec![None; place.rig.wears.len()];
@@ -113,8 +126,10 @@ impl<'a> Dressed<'a> {
             }
         }
         Self {
-            picture,
+            index,
             instance,
+            samples: drawing.scene.samples,
+            params_offset,
             place,
             dressing,
             given: Given {
@@ -136,13 +151,14 @@ impl<'a> Dressed<'a> {
                     Wear::Textured(_) => Kind::TexturedSkin,
                     Wear::Coated { .. } => Kind::CoatedSkin(self.given),
                 },
-                samples: self.picture.scene.samples,
+                samples: self.samples,
                 culled: self.cullings[stretch.mesh]
                     .pieces(part)
                     .find(|piece| piece.triangles.contains(&stretch.triangles.start))
                     .and_then(|piece| piece.culled),
-                blends: stretch.blends && !self.picture.is_translucent(),
+                blends: stretch.blends && !self.instance.is_translucent(),
             },
+            params_offset: self.params_offset,
             place: self.place,
             wear,
             coat: self.coats[stretch.wear],
@@ -153,7 +169,7 @@ impl<'a> Dressed<'a> {
 
 impl Draw<'_> {
     fn goes_on_in(&self, next: &Self) -> bool {
-        std::ptr::eq(self.place, next.place)
+        self.params_offset == next.params_offset
             && std::ptr::eq(self.wear, next.wear)
             && self.variant == next.variant
             && self.indices.end == next.indices.start

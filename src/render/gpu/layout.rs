@@ -1,5 +1,6 @@
 //! What the shaders read, byte for byte: `repr(C)` mirrors of the structs in `shaders/*.wgsl`, beside the
-//! [`View`](crate::render::view::View) and the [`Coat`](crate::render::coat::Coat) that both renderers read.
+//! [`View`](crate::render::view::View), the [`InstanceParams`](crate::render::instance_params::InstanceParams) and the
+//! [`Coat`](crate::render::coat::Coat) that both renderers read.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -30,6 +31,7 @@ mod tests {
     use crate::pose::{SkinDualQuaternion, SkinMatrix};
     use crate::render::coat::Coat;
     use crate::render::gpu::shaders;
+    use crate::render::instance_params::InstanceParams;
     use crate::render::view::{LIGHTS, ShaderLight, View};
     use crate::rig::{Influence, MorphDisplacement};
     use glam::Vec4;
@@ -62,10 +64,13 @@ mod tests {
     #[test]
     fn rust_and_shaders_agree_on_every_offset() {
         assert_mirrors!(shaders::BY_MASK.skin, "View", View {
-            clip_from_world = "clip_from_world", eye_in_world = "eye_in_world", size_pixels = "size_pixels",
-            light_count = "light_count", flat_normals = "flat_normals", ambient = "ambient", shininess = "shininess",
-            diffuse = "diffuse", opacity = "opacity", specular = "specular",
-            least_distance_squared = "least_distance_squared", textured_diffuse = "textured_diffuse", lights = "lights",
+            eye_in_world = "eye_in_world", ambient = "ambient", light_count = "light_count", size_pixels = "size_pixels", lights = "lights",
+        });
+        assert_mirrors!(shaders::BY_MASK.skin, "InstanceParams", InstanceParams {
+            clip_from_model = "clip_from_model", world_from_model = "world_from_model",
+            world_from_model_normal = "world_from_model_normal", diffuse = "diffuse", opacity = "opacity", specular = "specular",
+            shininess = "shininess", textured_diffuse = "textured_diffuse", flat_normals = "flat_normals",
+            least_distance_squared = "least_distance_squared",
         });
         assert_mirrors!(shaders::BY_MASK.skin, "Light", ShaderLight {
             toward_or_position = "toward_or_position", radiance = "radiance", cone = "cone",

@@ -6,7 +6,6 @@ mod clock;
 mod coats;
 mod device;
 mod draws;
-mod instances;
 mod layout;
 mod pipelines;
 mod readback;
@@ -15,25 +14,27 @@ mod room;
 mod shade;
 mod shaders;
 mod skin;
+mod skins;
 mod solids;
 mod targets;
 mod textures;
 mod upload;
 mod wear;
 
-pub use adapter::adapters;
+pub use adapter::{AdapterId, adapters};
 pub use readback::{Finished, InFlight};
 
 use super::{AdapterChoice, AdapterError, AdapterInfo, Capabilities};
-use super::{Plan, RenderError, Wanted};
+use super::{Plan, RenderError};
+use crate::frame::ImageKind;
 use buffers::Readbacks;
 use clock::Clock;
 use device::Device;
-use instances::Skins;
 use readback::{Copies, Form};
 use resolve::ResolveStage;
 use shade::{Drawing, ShadeStage};
 use skin::SkinStage;
+use skins::{RequiredSkin, SkinSet};
 use std::time::Duration;
 use targets::TargetCache;
 use textures::TextureBinding;
@@ -57,9 +58,21 @@ impl Gpu {
     /// # Errors
     /// [`AdapterError`] says what there is instead.
     pub fn open(choice: &AdapterChoice, require_gpu: bool) -> Result<Self, AdapterError> {
-        let device = Device::open(choice, require_gpu)?;
+        let (adapter, id) = adapter::choose(choice, require_gpu)?;
+        Ok(Self::with(Device::open(&adapter, id)?))
+    }
+
+    /// The adapter that was opened before, after its device was lost.
+    ///
+    /// # Errors
+    /// As for [`Gpu::open`].
+    pub fn reopen(id: &AdapterId) -> Result<Self, AdapterError> {
+        Ok(Self::with(Device::open(&adapter::find(id)?, id.clone())?))
+    }
+
+    fn with(device: Device) -> Self {
         let textures = TextureBinding::new(&device);
-        Ok(Self {
+        Self {
             uploads: Uploads::default(),
             skin: SkinStage::new(&device),
             shade: ShadeStage::new(&device, &textures),
@@ -69,11 +82,15 @@ impl Gpu {
             readbacks: Readbacks::default(),
             clock: Clock::new(&device),
             device,
-        })
+        }
     }
 
     pub fn adapter(&self) -> &AdapterInfo {
         &self.device.info
+    }
+
+    pub fn adapter_id(&self) -> &AdapterId {
+        &self.device.adapter_id
     }
 
     pub fn capabilities(&self) -> Capabilities {
@@ -121,24 +138,25 @@ impl Gpu {
         let capabilities = self.device.capabilities;
         let mut rigs = plan.instances.iter().map(|instance| instance.rig());
         rigs.try_for_each(|rig| capabilities.accept_rig(rig))?;
-        if let Wanted::Picture(picture) = &plan.wanted {
-            capabilities.accept_size(picture.scene.size)?;
+        if let Some(image) = &plan.image {
+            let mut kinds = image.outputs.iter();
+            kinds.try_for_each(|kind| capabilities.accept_raster(*kind, image.scene.size))?;
         }
         Ok(())
     }
 
     fn encode(&mut self, plans: &[&Plan]) -> InFlight {
         let device = &self.device;
-        let skins = Skins::of(plans);
+        let skins = SkinSet::of(plans);
         let layouts = Layouts {
             rig: &self.skin.rig_layout,
             textures: &self.textures,
         };
-        for skin in skins.iter() {
-            self.uploads.upload(device, layouts, skin.instance.rig());
+        for required in skins.iter() {
+            self.uploads.upload(device, layouts, required.skin.rig());
         }
-        let uploaded = |skin: &instances::Skin<'_>| {
-            let rig = self.uploads.get(skin.instance.rig());
+        let uploaded = |required: &RequiredSkin<'_>| {
+            let rig = self.uploads.get(required.skin.rig());
             rig.expect("it was uploaded just now")
         };
         let rigs: Vec<_> = skins.iter().map(uploaded).collect();
@@ -150,22 +168,17 @@ impl Gpu {
         clock.inspect(|clock| clock.start(&mut encoder));
 
         let skinned = self.skin.encode(device, &mut encoder, &skins, &rigs);
-        let skinned_of = |instance| {
-            let place = skins.position(instance);
-            place.map(|place| &skinned[place])
-        };
-        let drawings = plans.iter().filter_map(|plan| match &plan.wanted {
-            Wanted::Picture(picture) => {
-                let shown = plan.shown_instances().iter();
-                let skin = shown.map(|instance| Some((instance, skinned_of(instance)?)));
-                let skin = skin.collect();
-                Some(Drawing {
-                    plan,
-                    picture,
-                    skin,
-                })
-            }
-            Wanted::Vertices(_) => None,
+        let skinned_of = |skin| skins.position(skin).map(|index| &skinned[index]);
+        let drawings = plans.iter().filter_map(|plan| {
+            let image = plan.image.as_ref()?;
+            let skins = plan
+                .drawn()
+                .filter_map(|(index, instance)| Some((index, skinned_of(instance.skin())?)));
+            Some(Drawing {
+                plan,
+                scene: &image.scene,
+                skins: skins.collect(),
+            })
         });
         let drawings: Vec<_> = drawings.collect();
         let mut pictures = self.shade.prepare(device, &drawings).into_iter();
@@ -175,23 +188,27 @@ impl Gpu {
         let mut copies = Copies::new(device, &mut self.readbacks, bytes);
         let vertices = self.skin.skinned();
         for plan in plans {
-            match &plan.wanted {
-                // Pictures of one shape share their targets: each is copied out before the next one is drawn.
-                Wanted::Picture(_) => {
-                    let Some(ready) = pictures.next() else {
-                        continue;
-                    };
-                    let shape = shade::shape_of(ready.picture);
-                    let targets = self.targets.get(device, &self.resolve.layout, shape);
-                    self.shade.encode(&mut encoder, &ready, targets, vertices);
-                    self.resolve.encode(&mut encoder, targets);
-                    let bytes = 4 * shape.size.pixels() as u64;
-                    copies.copy(&mut encoder, &targets.pixels, 0, bytes);
+            // Pictures of one shape share their targets: each is copied out before the next one is drawn.
+            if let (Some(image), Some(ready)) = (
+                &plan.image,
+                plan.image.as_ref().and_then(|_| pictures.next()),
+            ) {
+                for kind in &image.outputs {
+                    match kind {
+                        ImageKind::Color => {
+                            let shape = shade::shape_of(plan, &image.scene);
+                            let targets = self.targets.get(device, &self.resolve.layout, shape);
+                            self.shade.encode(&mut encoder, &ready, targets, vertices);
+                            self.resolve.encode(&mut encoder, targets);
+                            let bytes = kind.bytes(shape.size) as u64;
+                            copies.copy(&mut encoder, &targets.pixels, 0, bytes);
+                        }
+                    }
                 }
-                Wanted::Vertices(queries) => {
-                    let of_plan = plan.instances.first().and_then(skinned_of);
-                    copies.copy_vertices(&mut encoder, queries, of_plan, vertices);
-                }
+            }
+            for query in &plan.vertices {
+                let of_query = skinned_of(plan.instances[query.instance].skin());
+                copies.copy_vertices(&mut encoder, query, of_query, vertices);
             }
         }
         if let Some(clock) = clock {

@@ -54,7 +54,7 @@ pub(super) struct Pipelines {
 impl Pipelines {
     pub fn new(
         device: &Device,
-        view_layout: &wgpu::BindGroupLayout,
+        uniform_layout: &wgpu::BindGroupLayout,
         textures: &TextureBinding,
         coats: &Coats,
     ) -> Self {
@@ -82,10 +82,10 @@ impl Pipelines {
             shaders::BY_DRIVER
         };
         Self {
-            layout: layout(&[Some(view_layout)]),
-            textured_layout: layout(&[Some(view_layout), Some(&textures.layout)]),
+            layout: layout(&[Some(uniform_layout)]),
+            textured_layout: layout(&[Some(uniform_layout), Some(&textures.layout)]),
             coated_layout: layout(&[
-                Some(view_layout),
+                Some(uniform_layout),
                 Some(&textures.coat_layout),
                 Some(&coats.layout),
             ]),

@@ -4,8 +4,8 @@ use super::buffers::Readbacks;
 use super::clock::Clock;
 use super::device::Device;
 use super::skin::SkinnedRig;
-use crate::frame::{Frame, SkinnedVertices};
-use crate::render::{Outputs, Plan, RenderError, Wanted};
+use crate::frame::{ImageKind, Outputs, Raster, SkinnedVertices};
+use crate::render::{Plan, RenderError};
 use crate::scene::{Size, VertexQuery};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
@@ -19,10 +19,10 @@ pub struct Finished {
     pub device_time: Option<Duration>,
 }
 
-/// How to read what was copied.
-pub(super) enum Form {
-    Picture(Size),
-    Vertices(Vec<VertexQuery>),
+/// How to read what was copied for a plan: its rasters, then its vertices.
+pub(super) struct Form {
+    rasters: Vec<(ImageKind, Size)>,
+    vertices: Vec<VertexQuery>,
 }
 
 /// Work that the device has and that nobody has waited for yet.
@@ -62,30 +62,28 @@ impl Copies {
         self.end += bytes;
     }
 
-    /// Copies for `queries`: positions, then normals of each, as far as asked for.
+    /// Copies for `query`: positions, then normals, as far as asked for.
     pub fn copy_vertices(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        queries: &[VertexQuery],
+        query: &VertexQuery,
         skinned: Option<&SkinnedRig<'_>>,
         vertices: &wgpu::Buffer,
     ) {
-        for query in queries {
-            let found = skinned.and_then(|place| Some((place, place.offset(query.mesh)?)));
-            // A mesh that was not skinned was asked for nothing.
-            let Some((place, offset)) = found else {
-                continue;
-            };
-            let first = offset + 12 * query.start as u64;
-            let bytes = 12 * query.count as u64;
-            let starts = [
-                (query.positions, place.positions_start),
-                (query.normals, place.normals_start),
-            ];
-            for (is_wanted, start) in starts {
-                if is_wanted && bytes > 0 {
-                    self.copy(encoder, vertices, start + first, bytes);
-                }
+        let found = skinned.and_then(|place| Some((place, place.offset(query.mesh)?)));
+        // A mesh that was not skinned was asked for nothing.
+        let Some((place, offset)) = found else {
+            return;
+        };
+        let first = offset + 12 * query.start as u64;
+        let bytes = 12 * query.count as u64;
+        let starts = [
+            (query.positions, place.positions_start),
+            (query.normals, place.normals_start),
+        ];
+        for (is_wanted, start) in starts {
+            if is_wanted && bytes > 0 {
+                self.copy(encoder, vertices, start + first, bytes);
             }
         }
     }
@@ -171,47 +169,54 @@ fn read(forms: &[Form], clock: Option<&Clock>, bytes: &[u8]) -> Finished {
 
 impl Form {
     pub fn of(plan: &Plan) -> Self {
-        match &plan.wanted {
-            Wanted::Picture(picture) => Self::Picture(picture.scene.size),
-            Wanted::Vertices(queries) => Self::Vertices(queries.clone()),
+        let images = plan.image.iter();
+        let rasters = images.flat_map(|image| {
+            let size = image.scene.size;
+            image.outputs.iter().map(move |kind| (*kind, size))
+        });
+        Self {
+            rasters: rasters.collect(),
+            vertices: plan.vertices.clone(),
         }
     }
 
     pub fn bytes(&self) -> u64 {
-        match self {
-            Self::Picture(size) => 4 * size.pixels() as u64,
-            Self::Vertices(queries) => {
-                let attributes =
-                    |query: &VertexQuery| u64::from(query.positions) + u64::from(query.normals);
-                let bytes = |query: &VertexQuery| 12 * query.count as u64 * attributes(query);
-                queries.iter().map(bytes).sum()
-            }
-        }
+        let rasters = self.rasters.iter();
+        let rasters = rasters.map(|(kind, size)| kind.bytes(*size) as u64);
+        rasters.sum::<u64>() + self.vertices.iter().map(query_bytes).sum::<u64>()
     }
 
     fn read(&self, bytes: &[u8]) -> Outputs {
-        match self {
-            Self::Picture(size) => Outputs::Picture(Frame {
-                size: *size,
-                pixels: bytes.to_vec().into(),
-            }),
-            Self::Vertices(queries) => {
-                let mut rest = bytes;
-                let mut take = |is_wanted: bool, count: usize| {
-                    is_wanted.then(|| {
-                        let (taken, left) = rest.split_at(12 * count);
-                        rest = left;
-                        // The mapped memory need not be aligned for floats.
-                        bytemuck::pod_collect_to_vec::<u8, f32>(taken).into()
-                    })
-                };
-                let vertices = queries.iter().map(|query| SkinnedVertices {
-                    vertex_count: query.count,
-                    positions: take(query.positions, query.count),
-                    normals: take(query.normals, query.count),
-                });
-                Outputs::Vertices(vertices.collect())
-            }
+        let mut rest = bytes;
+        let mut take = |count| {
+            let (taken, left) = rest.split_at(count);
+            rest = left;
+            taken
+        };
+        let images = self.rasters.iter().map(|&(kind, size)| Raster {
+            kind,
+            size,
+            bytes: take(kind.bytes(size)).to_vec().into(),
+        });
+        let images = images.collect();
+        let mut vectors = |is_wanted: bool, count: usize| {
+            // The mapped memory need not be aligned for floats.
+            is_wanted.then(|| bytemuck::pod_collect_to_vec::<u8, f32>(take(12 * count)).into())
+        };
+        let vertices = self.vertices.iter().map(|query| SkinnedVertices {
+            vertex_count: query.count,
+            positions: vectors(query.positions, query.count),
+            normals: vectors(query.normals, query.count),
+        });
+        Outputs {
+            images,
+            vertices: vertices.collect(),
         }
     }
+}
+
+/// Of what a query asks for.
+pub(super) fn query_bytes(query: &VertexQuery) -> u64 {
+    let attributes = u64::from(query.positions) + u64::from(query.normals);
+    12 * query.count as u64 * attributes
 }

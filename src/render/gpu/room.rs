@@ -1,9 +1,10 @@
 //! How much may share a submission. Never lives here: what is done with the rest.
 
 use super::coats::Coats;
-use super::shade::{LINE_CORNERS, shape_of};
+use super::readback::query_bytes;
+use super::shade::{LINE_CORNERS, MOST_PARAMS_STRIDE, shape_of};
 use crate::pose::SkinDualQuaternion;
-use crate::render::{Plan, Segment, SolidVertex, Wanted};
+use crate::render::{Plan, Segment, SkeletonView, Skin, SolidVertex};
 
 /// Plans that share a submission at the most: by then what a submission costs by itself is a small part of it, and the first of them is
 /// answered when the last is done.
@@ -28,49 +29,58 @@ pub(super) fn fitting(plans: &[&Plan], buffer_bytes: u64) -> usize {
 /// What `plan` takes in a submission beside others: what it shares with one of them is counted there. Of everything that grows with the
 /// size of a rig, a picture or an answer, so that no buffer of the submission holds more than this comes to.
 fn bytes(plan: &Plan, beside: &[&Plan]) -> u64 {
-    let is_skinned = |instance| {
-        let mut others = beside.iter().flat_map(|other| other.shown_instances());
-        others.any(|other| other.is_skinned_like(instance))
-    };
-    let shown = plan.shown_instances().iter();
-    let skin = shown.filter(|instance| !is_skinned(*instance));
-    let skin = skin.map(|instance| {
-        let rig = instance.rig();
+    let queries = plan.vertices.iter().map(query_bytes).sum::<u64>();
+    skin_bytes(plan, beside) + image_bytes(plan, beside) + queries
+}
+
+fn skins(plan: &Plan) -> impl Iterator<Item = &Skin> {
+    let drawn = plan.drawn().map(|(_, instance)| instance.skin());
+    let queried = plan.vertices.iter();
+    drawn.chain(queried.map(|query| plan.instances[query.instance].skin()))
+}
+
+fn skin_bytes(plan: &Plan, beside: &[&Plan]) -> u64 {
+    let bytes = skins(plan).enumerate().map(|(index, skin)| {
+        let others = beside.iter().flat_map(|other| skins(other));
+        if others
+            .chain(skins(plan).take(index))
+            .any(|other| other == skin)
+        {
+            return 0;
+        }
+        let rig = skin.rig();
         let palette = rig.bindings().len() * size_of::<SkinDualQuaternion>();
-        24 * rig.draw_vertex_count() + palette + 4 * instance.morph_weights().len()
+        24 * rig.draw_vertex_count() + palette + 4 * skin.morph_weights().len()
     });
-    let outcome = match &plan.wanted {
-        Wanted::Picture(picture) => {
-            let shape = shape_of(picture);
-            let is_there = |other: &&Plan| match &other.wanted {
-                Wanted::Picture(picture) => shape_of(picture) == shape,
-                Wanted::Vertices(_) => false,
-            };
-            let targets = if beside.iter().any(is_there) {
-                0
-            } else {
-                shape.bytes()
-            };
-            let skeleton = &picture.skeleton;
-            let solids = &skeleton.solids;
-            let lines = skeleton.lines.len() * LINE_CORNERS as usize * size_of::<Segment>();
-            let solids =
-                solids.vertices.len() * size_of::<SolidVertex>() + 12 * solids.triangles.len();
-            let meshes = plan.shown_instances().iter();
-            let meshes = meshes.flat_map(|instance| instance.rig().meshes());
-            let parts = meshes.map(|mesh| mesh.parts().len()).sum::<usize>();
-            let coats = parts * Coats::MOST_STRIDE;
-            targets + (4 * shape.size.pixels() + lines + solids + coats) as u64
-        }
-        Wanted::Vertices(queries) => {
-            let attributes = |query: &crate::scene::VertexQuery| {
-                usize::from(query.positions) + usize::from(query.normals)
-            };
-            let bytes = queries
-                .iter()
-                .map(|query| 12 * query.count * attributes(query));
-            bytes.sum::<usize>() as u64
-        }
+    bytes.sum::<usize>() as u64
+}
+
+fn image_bytes(plan: &Plan, beside: &[&Plan]) -> u64 {
+    let Some(image) = &plan.image else {
+        return 0;
     };
-    skin.sum::<usize>() as u64 + outcome
+    let shape = shape_of(plan, &image.scene);
+    let is_there = |other: &&Plan| {
+        let image = other.image.as_ref();
+        image.is_some_and(|image| shape_of(other, &image.scene) == shape)
+    };
+    let targets = if beside.iter().any(is_there) {
+        0
+    } else {
+        shape.bytes()
+    };
+    let rasters = image.outputs.iter().map(|kind| kind.bytes(shape.size));
+    let instances = plan.instances.iter().map(|instance| {
+        let SkeletonView { lines, solids } = instance.skeleton();
+        let lines = lines.len() * LINE_CORNERS as usize * size_of::<Segment>();
+        let solids = solids.vertices.len() * size_of::<SolidVertex>() + 12 * solids.triangles.len();
+        let parts = instance
+            .rig()
+            .meshes()
+            .iter()
+            .map(|mesh| mesh.parts().len());
+        let coats = parts.sum::<usize>() * Coats::MOST_STRIDE;
+        lines + solids + coats + MOST_PARAMS_STRIDE
+    });
+    targets + (rasters.sum::<usize>() + instances.sum::<usize>()) as u64
 }

@@ -10,19 +10,22 @@ use super::solids::{SolidBuffers, SolidPlace};
 use super::targets::{ColorTarget, Layers, TargetShape, Targets};
 use super::textures::TextureBinding;
 use super::wear::Wear;
+use crate::render::instance_params::InstanceParams;
 use crate::render::order::{PartPlace, blending_parts};
 use crate::render::view::View;
-use crate::render::{Instance, Picture, Plan, Segment};
+use crate::render::{Plan, Segment};
+use crate::scene::{Samples, Scene};
 use glam::Vec4;
 use std::ops::Range;
 use wgpu::BufferUsages;
 
-/// What `picture` is drawn into. A translucent skin gets a layer of its own, so that only its nearest surface is laid over what is behind.
-pub(super) fn shape_of(picture: &Picture) -> TargetShape {
+/// What the picture of `plan` is drawn into. Translucent skin gets a layer of its own, so that only its nearest surface is laid over what is
+/// behind.
+pub(super) fn shape_of(plan: &Plan, scene: &Scene) -> TargetShape {
     TargetShape {
-        size: picture.scene.size,
-        samples: picture.scene.samples,
-        layers: if picture.is_translucent() {
+        size: scene.size,
+        samples: scene.samples,
+        layers: if plan.is_translucent() {
             Layers::Two
         } else {
             Layers::One
@@ -35,12 +38,15 @@ pub(super) const LINE_CORNERS: u32 = 6;
 
 pub(super) struct ShadeStage {
     pipelines: Pipelines,
-    view_layout: wgpu::BindGroupLayout,
-    /// Those of all pictures of a submission, and so are lines and solids.
+    uniform_layout: wgpu::BindGroupLayout,
+    /// Those of all pictures of a submission, and so are instances, lines and solids.
     views: Growing,
-    view_group: wgpu::BindGroup,
+    instances: Growing,
+    uniform_group: wgpu::BindGroup,
     /// Bytes from one view to the next, as the device aligns them.
     view_stride: usize,
+    /// The same of instances.
+    params_stride: usize,
     /// Each segment once for each of its six corners: a software driver takes instances one at a time.
     lines: Growing,
     solids: SolidBuffers,
@@ -54,27 +60,37 @@ pub(super) struct ShadeStage {
 #[derive(Default)]
 struct Scratch {
     views: Vec<u8>,
+    instances: Vec<u8>,
     corners: Vec<Segment>,
     order: Vec<(f64, PartPlace)>,
 }
 
-/// A picture, that of `plan`, and the skin in it.
+/// The picture of `plan`, and the skin in it.
 pub(super) struct Drawing<'a> {
     pub plan: &'a Plan,
-    pub picture: &'a Picture,
-    /// By instance that the plan shows; `None` of which nothing is there to be drawn.
-    pub skin: Vec<Option<(&'a Instance, &'a SkinnedRig<'a>)>>,
+    pub scene: &'a Scene,
+    /// Of the instances that have skin to be drawn, by their index in the plan.
+    pub skins: Vec<(usize, &'a SkinnedRig<'a>)>,
 }
 
 /// A picture whose numbers are on the device.
 pub(super) struct Ready<'a> {
-    pub picture: &'a Picture,
+    scene: &'a Scene,
     view_offset: u32,
-    /// In bytes.
-    lines: Range<u64>,
-    solids: SolidPlace,
+    skeletons: Vec<ReadySkeleton>,
     skin: Draws<'a>,
 }
+
+/// The skeleton of an instance.
+struct ReadySkeleton {
+    params_offset: u32,
+    /// Corners in the buffer of lines.
+    lines: Range<u32>,
+    solids: SolidPlace,
+}
+
+/// Bytes from the parameters of one instance to the next, at the most: what devices align to at the worst.
+pub(super) const MOST_PARAMS_STRIDE: usize = size_of::<InstanceParams>().next_multiple_of(256);
 
 /// Four floats of color, then two of texture coordinates.
 const NOT_GIVEN: [f32; 6] = [1.0, 1.0, 1.0, 1.0, 0.0, 0.0];
@@ -84,28 +100,33 @@ const NO_TEXCOORD: Range<u64> = 16..24;
 impl ShadeStage {
     pub fn new(device: &Device, textures: &TextureBinding) -> Self {
         let wgpu_device = &device.device;
-        let view_layout = wgpu_device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("shade.view"),
-            entries: &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-                ty: wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Uniform,
-                    has_dynamic_offset: true,
-                    min_binding_size: None,
-                },
-                count: None,
-            }],
-        });
+        let uniform = |binding| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Uniform,
+                has_dynamic_offset: true,
+                min_binding_size: None,
+            },
+            count: None,
+        };
+        let uniform_layout =
+            wgpu_device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some("shade.uniforms"),
+                entries: &[uniform(0), uniform(1)],
+            });
         let views = Growing::new(device, "shade.views", BufferUsages::UNIFORM);
+        let instances = Growing::new(device, "shade.instances", BufferUsages::UNIFORM);
         let alignment = wgpu_device.limits().min_uniform_buffer_offset_alignment as usize;
         let coats = Coats::new(device);
         Self {
-            pipelines: Pipelines::new(device, &view_layout, textures, &coats),
-            view_group: bind(device, &view_layout, &views),
-            view_layout,
+            pipelines: Pipelines::new(device, &uniform_layout, textures, &coats),
+            uniform_group: bind(device, &uniform_layout, &views, &instances),
+            uniform_layout,
             views,
+            instances,
             view_stride: size_of::<View>().next_multiple_of(alignment),
+            params_stride: size_of::<InstanceParams>().next_multiple_of(alignment),
             lines: Growing::new(device, "shade.lines", BufferUsages::VERTEX),
             solids: SolidBuffers::new(device),
             coats,
@@ -115,8 +136,9 @@ impl ShadeStage {
     }
 
     pub fn bytes(&self) -> u64 {
-        let own = self.views.buffer().size() + self.lines.buffer().size();
-        own + self.solids.bytes() + self.coats.bytes()
+        let own = [&self.views, &self.instances, &self.lines];
+        let own = own.map(|growing| growing.buffer().size());
+        own.iter().sum::<u64>() + self.solids.bytes() + self.coats.bytes()
     }
 
     /// Writes what the passes of all pictures of a submission read, and makes the pipelines that were not needed before.
@@ -126,35 +148,55 @@ impl ShadeStage {
         }
         let Scratch {
             views,
+            instances,
             corners,
             order,
         } = &mut self.scratch;
         views.clear();
+        instances.clear();
         corners.clear();
         self.coats.clear();
-        let pictures = drawings.iter().map(|drawing| drawing.picture);
-        let solids = pictures.map(|picture| &picture.skeleton.solids);
-        let solids = self.solids.write(device, solids);
-        let ready = drawings.iter().zip(solids).map(|(drawing, solids)| {
-            let picture = drawing.picture;
+        let skeletons = drawings.iter().flat_map(|drawing| &drawing.plan.instances);
+        let solids = skeletons.map(|instance| &instance.skeleton().solids);
+        let mut solids = self.solids.write(device, solids).into_iter();
+        let ready = drawings.iter().map(|drawing| {
             let view_offset = views.len() as u32;
-            views.extend_from_slice(bytemuck::bytes_of(&View::of(picture)));
+            views.extend_from_slice(bytemuck::bytes_of(&View::of(drawing.scene)));
             views.resize(view_offset as usize + self.view_stride, 0);
-            let lines_start = size_of_val(corners.as_slice()) as u64;
-            let segments = picture.skeleton.lines.iter();
-            corners.extend(segments.flat_map(|segment| [*segment; LINE_CORNERS as usize]));
+            let placed = drawing.plan.instances.iter().zip(&mut solids);
+            let skeletons = placed.map(|(instance, solids)| {
+                let params_offset = instances.len() as u32;
+                let params = InstanceParams::of(instance, &drawing.scene.camera);
+                instances.extend_from_slice(bytemuck::bytes_of(&params));
+                instances.resize(params_offset as usize + self.params_stride, 0);
+                let first = corners.len() as u32;
+                let segments = instance.skeleton().lines.iter();
+                corners.extend(segments.flat_map(|segment| [*segment; LINE_CORNERS as usize]));
+                ReadySkeleton {
+                    params_offset,
+                    lines: first..corners.len() as u32,
+                    solids,
+                }
+            });
+            let skeletons: Vec<_> = skeletons.collect();
             blending_parts(drawing.plan, order);
+            let params_offset = |instance: usize| skeletons[instance].params_offset;
+            let skin = Draws::of(drawing, params_offset, order, &mut self.coats);
             Ready {
-                picture,
+                scene: drawing.scene,
                 view_offset,
-                lines: lines_start..size_of_val(corners.as_slice()) as u64,
-                solids,
-                skin: Draws::of(drawing, order, &mut self.coats),
+                skin,
+                skeletons,
             }
         });
         let ready: Vec<_> = ready.collect();
-        if self.views.write(device, views) {
-            self.view_group = bind(device, &self.view_layout, &self.views);
+        let grew = [
+            self.views.write(device, views),
+            self.instances.write(device, instances),
+        ];
+        if grew.contains(&true) {
+            let layout = &self.uniform_layout;
+            self.uniform_group = bind(device, layout, &self.views, &self.instances);
         }
         self.lines.write(device, corners);
         self.coats.write(device);
@@ -174,30 +216,31 @@ impl ShadeStage {
         targets: &Targets,
         vertices: &wgpu::Buffer,
     ) {
-        let background = ready.picture.scene.background.premultiplied();
+        let background = ready.scene.background.premultiplied();
         let mut pass = begin(encoder, &targets.color, Some(background), targets);
-        self.draw_skeleton(&mut pass, ready);
-        self.draw_skin(&mut pass, &ready.skin.base, vertices);
+        self.draw_skeletons(&mut pass, ready);
+        self.draw_skin(&mut pass, ready.view_offset, &ready.skin.base, vertices);
         let Some(layer_color) = &targets.skin_color else {
             return;
         };
         drop(pass);
         // With the depth of what is there, so that the skin stays behind what it is behind of.
         let mut pass = begin(encoder, layer_color, None, targets);
-        pass.set_bind_group(0, &self.view_group, &[ready.view_offset]);
-        self.draw_skin(&mut pass, &ready.skin.layer, vertices);
+        self.draw_skin(&mut pass, ready.view_offset, &ready.skin.layer, vertices);
     }
 
-    fn draw_skeleton(&self, pass: &mut wgpu::RenderPass<'_>, ready: &Ready<'_>) {
-        pass.set_bind_group(0, &self.view_group, &[ready.view_offset]);
-        for variant in ready.of_skeleton() {
-            pass.set_pipeline(self.pipelines.get(variant));
-            if variant.kind == Kind::Solids {
-                self.solids.draw(pass, &ready.solids);
-            } else {
-                let count = LINE_CORNERS * ready.picture.skeleton.lines.len() as u32;
-                pass.set_vertex_buffer(0, self.lines.buffer().slice(ready.lines.clone()));
-                pass.draw(0..count, 0..1);
+    fn draw_skeletons(&self, pass: &mut wgpu::RenderPass<'_>, ready: &Ready<'_>) {
+        for skeleton in &ready.skeletons {
+            let offsets = [ready.view_offset, skeleton.params_offset];
+            for variant in skeleton.variants(ready.scene.samples) {
+                pass.set_bind_group(0, &self.uniform_group, &offsets);
+                pass.set_pipeline(self.pipelines.get(variant));
+                if variant.kind == Kind::Solids {
+                    self.solids.draw(pass, &skeleton.solids);
+                } else {
+                    pass.set_vertex_buffer(0, self.lines.buffer().slice(..));
+                    pass.draw(skeleton.lines.clone(), 0..1);
+                }
             }
         }
     }
@@ -205,11 +248,13 @@ impl ShadeStage {
     fn draw_skin(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
+        view_offset: u32,
         draws: &[Draw<'_>],
         vertices: &wgpu::Buffer,
     ) {
         for Draw {
             variant,
+            params_offset,
             place,
             wear,
             coat,
@@ -217,6 +262,7 @@ impl ShadeStage {
         } in draws
         {
             let rig = place.rig;
+            pass.set_bind_group(0, &self.uniform_group, &[view_offset, *params_offset]);
             let texcoords = match &rig.texcoords {
                 Some(texcoords) => texcoords.slice(..),
                 None => self.not_given.slice(NO_TEXCOORD),
@@ -249,17 +295,18 @@ impl ShadeStage {
 
 impl Ready<'_> {
     fn variants(&self) -> impl Iterator<Item = Variant> {
-        let of_skin = self.skin.iter().map(|draw| draw.variant);
-        self.of_skeleton().chain(of_skin)
+        let skeletons = self.skeletons.iter();
+        let of_skeletons = skeletons.flat_map(|skeleton| skeleton.variants(self.scene.samples));
+        of_skeletons.chain(self.skin.iter().map(|draw| draw.variant))
     }
+}
 
-    /// What the skeleton is drawn with, in this order.
-    fn of_skeleton(&self) -> impl Iterator<Item = Variant> + use<> {
-        let skeleton = &self.picture.skeleton;
-        let samples = self.picture.scene.samples;
+impl ReadySkeleton {
+    /// What it is drawn with, in this order.
+    fn variants(&self, samples: Samples) -> impl Iterator<Item = Variant> + use<> {
         let kinds = [
-            (Kind::Lines, !skeleton.lines.is_empty()),
-            (Kind::Solids, !skeleton.solids.is_empty()),
+            (Kind::Lines, !self.lines.is_empty()),
+            (Kind::Solids, !self.solids.is_empty()),
         ];
         let drawn = kinds.into_iter().filter(|(_, is_drawn)| *is_drawn);
         drawn.map(move |(kind, _)| Variant {
@@ -271,20 +318,27 @@ impl Ready<'_> {
     }
 }
 
-/// One view at a time.
-fn bind(device: &Device, layout: &wgpu::BindGroupLayout, views: &Growing) -> wgpu::BindGroup {
-    let view = wgpu::BufferBinding {
-        buffer: views.buffer(),
-        offset: 0,
-        size: wgpu::BufferSize::new(size_of::<View>() as u64),
+/// One view and one instance at a time.
+fn bind(
+    device: &Device,
+    layout: &wgpu::BindGroupLayout,
+    views: &Growing,
+    instances: &Growing,
+) -> wgpu::BindGroup {
+    let one = |buffer, size: usize| {
+        wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer,
+            offset: 0,
+            size: wgpu::BufferSize::new(size as u64),
+        })
     };
+    let view = one(views.buffer(), size_of::<View>());
+    let instance = one(instances.buffer(), size_of::<InstanceParams>());
+    let entries = [(0, view), (1, instance)];
     device.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("shade.view"),
+        label: Some("shade.uniforms"),
         layout,
-        entries: &[wgpu::BindGroupEntry {
-            binding: 0,
-            resource: wgpu::BindingResource::Buffer(view),
-        }],
+        entries: &entries.map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }),
     })
 }
 

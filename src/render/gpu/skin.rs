@@ -3,9 +3,9 @@
 
 use super::buffers::Growing;
 use super::device::Device;
-use super::instances::Skins;
 use super::layout::SkinJob;
 use super::shaders;
+use super::skins::SkinSet;
 use super::upload::GpuRig;
 use crate::pose::Skinning;
 use glam::Vec4;
@@ -13,7 +13,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
 use wgpu::{BufferUsages, ShaderStages};
 
-/// Where one instance lies in the skinned buffer.
+/// Where one skin lies in the skinned buffer, in model space.
 pub(super) struct SkinnedRig<'a> {
     pub rig: &'a GpuRig,
     /// Of the rig's vertices, the first that has a place there. Those behind it follow, up to the last that was asked for, whether they
@@ -153,14 +153,14 @@ impl SkinStage {
         &mut self,
         device: &Device,
         encoder: &mut wgpu::CommandEncoder,
-        skins: &Skins<'_>,
+        skins: &SkinSet<'_>,
         rigs: &[&'a GpuRig],
     ) -> Vec<SkinnedRig<'a>> {
         if rigs.is_empty() {
             return Vec::new();
         }
         for skin in skins.iter() {
-            self.prepare(device, skin.instance.palette().skinning());
+            self.prepare(device, skin.skin.palette().skinning());
         }
         let Scratch {
             palette,
@@ -174,9 +174,9 @@ impl SkinStage {
         let mut floats: u32 = 0;
         for (skin, rig) in skins.iter().zip(rigs) {
             let first_row = palette.len() as u32;
-            palette.extend_from_slice(skin.instance.palette().rows());
+            palette.extend_from_slice(skin.skin.palette().rows());
             let first_morph_weight = morph_weights.len() as u32;
-            morph_weights.extend_from_slice(skin.instance.morph_weights());
+            morph_weights.extend_from_slice(skin.skin.morph_weights());
             let runs = runs(rig, &skin.meshes);
             let first_vertex = runs.first().map_or(0, |run| run.start);
             let count = runs.last().map_or(0, |run| run.end) - first_vertex;
@@ -229,7 +229,7 @@ impl SkinStage {
     fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        skins: &Skins<'_>,
+        skins: &SkinSet<'_>,
         skinned: &[SkinnedRig<'_>],
     ) {
         let descriptor = wgpu::ComputePassDescriptor {
@@ -239,7 +239,7 @@ impl SkinStage {
         let mut pass = encoder.begin_compute_pass(&descriptor);
         let mut offset = 0;
         for (skin, place) in skins.iter().zip(skinned) {
-            pass.set_pipeline(&self.pipelines[&skin.instance.palette().skinning()]);
+            pass.set_pipeline(&self.pipelines[&skin.skin.palette().skinning()]);
             pass.set_bind_group(1, &place.rig.bind_group, &[]);
             for run in &place.runs {
                 pass.set_bind_group(0, &self.bind_group, &[offset]);

@@ -1,4 +1,4 @@
-//! The solids of all pictures of a submission on the device.
+//! The solids of all instances of a submission on the device.
 
 use super::buffers::Growing;
 use super::device::Device;
@@ -13,10 +13,16 @@ pub(super) struct SolidBuffers {
     gathered: Solids,
 }
 
-/// Where the solids of one picture lie: bytes of vertices and of indices.
+/// Where the solids of one instance lie: bytes of vertices and of indices.
 pub(super) struct SolidPlace {
     vertices: Range<u64>,
     indices: Range<u64>,
+}
+
+impl SolidPlace {
+    pub fn is_empty(&self) -> bool {
+        self.indices.is_empty()
+    }
 }
 
 impl SolidBuffers {
@@ -32,11 +38,11 @@ impl SolidBuffers {
         self.vertices.buffer().size() + self.indices.buffer().size()
     }
 
-    /// In step with `pictures`.
+    /// In step with `instances`.
     pub fn write<'a>(
         &mut self,
         device: &Device,
-        pictures: impl Iterator<Item = &'a Solids>,
+        instances: impl Iterator<Item = &'a Solids>,
     ) -> Vec<SolidPlace> {
         let Solids {
             vertices,
@@ -54,7 +60,7 @@ impl SolidBuffers {
                 indices: first_index..size_of_val(triangles.as_slice()) as u64,
             }
         };
-        let places = pictures.map(place).collect();
+        let places = instances.map(place).collect();
         self.vertices
             .write::<SolidVertex>(device, &self.gathered.vertices);
         self.indices.write(device, &self.gathered.triangles);

@@ -13,6 +13,7 @@ mod words;
 pub use dual_quaternion::Signs;
 pub use matrix::Vector;
 
+use super::random::Random;
 use clip::Clip;
 use dual_quaternion::{Blend, Parts};
 use matrix::{

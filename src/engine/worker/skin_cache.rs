@@ -1,0 +1,255 @@
+//! Skinned vertices that jobs share: the first job of a pose computes them, the others wait for it and read the same ones.
+//! Never lives here: skinning, and drawing.
+
+use super::job::Job;
+use crate::render::cpu::Skinned;
+use crate::render::{Plan, Skin};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+
+#[derive(Default)]
+pub(super) struct SkinCache(Mutex<State>);
+
+#[derive(Default)]
+struct State {
+    /// Of jobs in hand.
+    entries: Vec<Entry>,
+    /// Kept for a client that looks at one pose again and again.
+    last: Option<Arc<Skinned>>,
+    next_id: u64,
+}
+
+struct Entry {
+    id: u64,
+    skins: Vec<Skin>,
+    state: EntryState,
+}
+
+enum EntryState {
+    Computing { waiting: Vec<Job> },
+    Ready(Weak<Skinned>),
+}
+
+/// What a job with a picture is to do about its skins.
+pub(super) enum Lookup {
+    Hit(Job, Arc<Skinned>),
+    /// Compute them, and say so by [`SkinCache::complete`].
+    Miss(Job, Computation),
+    /// Another job computes them. Its thread gets this job from [`SkinCache::complete`].
+    Waiting,
+}
+
+/// The duty to complete an entry.
+pub(super) struct Computation(u64);
+
+impl SkinCache {
+    /// The skins that the picture of a job shows.
+    pub fn look_up(&self, job: Job) -> Lookup {
+        let skins = drawn_skins(&job.plan);
+        let mut state = self.lock();
+        state.entries.retain(|entry| match &entry.state {
+            EntryState::Computing { .. } => true,
+            EntryState::Ready(skinned) => skinned.strong_count() > 0,
+        });
+        let mut entries = state.entries.iter_mut();
+        match entries.find(|entry| entry.skins == skins) {
+            Some(Entry {
+                state: EntryState::Computing { waiting },
+                ..
+            }) => {
+                waiting.push(job);
+                return Lookup::Waiting;
+            }
+            Some(Entry {
+                state: EntryState::Ready(skinned),
+                ..
+            }) => {
+                if let Some(skinned) = skinned.upgrade() {
+                    return Lookup::Hit(job, skinned);
+                }
+            }
+            None => {}
+        }
+        let id = state.next_id;
+        state.next_id += 1;
+        state.entries.push(Entry {
+            id,
+            skins,
+            state: EntryState::Computing {
+                waiting: Vec::new(),
+            },
+        });
+        Lookup::Miss(job, Computation(id))
+    }
+
+    /// Vertices that are there already and have those of a skin among them.
+    pub fn ready(&self, skin: &Skin) -> Option<Arc<Skinned>> {
+        let state = self.lock();
+        let ready = state.entries.iter().filter_map(|entry| match &entry.state {
+            EntryState::Ready(skinned) if entry.skins.contains(skin) => skinned.upgrade(),
+            EntryState::Ready(_) | EntryState::Computing { .. } => None,
+        });
+        ready.into_iter().next()
+    }
+
+    /// Whether any job waits for it.
+    pub fn is_awaited(&self, computation: &Computation) -> bool {
+        self.lock().entries.iter().any(|entry| {
+            entry.id == computation.0
+                && matches!(&entry.state, EntryState::Computing { waiting } if !waiting.is_empty())
+        })
+    }
+
+    /// Gives back the jobs that wait. Without vertices they have to look up anew.
+    pub fn complete(&self, computation: &Computation, skinned: Option<&Arc<Skinned>>) -> Vec<Job> {
+        let mut state = self.lock();
+        let index = state.entries.iter().position(|it| it.id == computation.0);
+        let Some(entry) = index.map(|index| state.entries.swap_remove(index)) else {
+            return Vec::new();
+        };
+        if let Some(skinned) = skinned {
+            state.last = Some(Arc::clone(skinned));
+            state.entries.push(Entry {
+                id: entry.id,
+                skins: entry.skins,
+                state: EntryState::Ready(Arc::downgrade(skinned)),
+            });
+        }
+        match entry.state {
+            EntryState::Computing { waiting } => waiting,
+            EntryState::Ready(_) => Vec::new(),
+        }
+    }
+
+    /// Frees what no job has in hand.
+    pub fn sweep(&self) {
+        self.lock().last = None;
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Each distinct one once, in the order of the instances.
+fn drawn_skins(plan: &Plan) -> Vec<Skin> {
+    let mut skins: Vec<Skin> = Vec::new();
+    for (_, instance) in plan.drawn() {
+        if !skins.contains(instance.skin()) {
+            skins.push(instance.skin().clone());
+        }
+    }
+    skins
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::worker::Urgency;
+    use crate::engine::{Admission, Terms};
+    use crate::limits::Limits;
+    use crate::pose::{Pose, Posed, Skinning};
+    use crate::render::cpu::{Cores, Cpu, Spread};
+    use crate::rig::{Draft, MeshDraft};
+    use crate::scene::{
+        Appearance, Background, Bounds, Camera, Orbit, Samples, Scene, Show, ShowSkin, Size,
+    };
+    use glam::{DVec3, Vec3};
+
+    fn posed() -> Arc<Posed> {
+        let mesh = MeshDraft {
+            positions: vec![Vec3::X, Vec3::Y, Vec3::Z],
+            triangles: vec![[0, 1, 2]],
+            ..MeshDraft::default()
+        };
+        let draft = Draft {
+            meshes: vec![mesh],
+            ..Draft::default()
+        };
+        let rig = Arc::new(draft.build(&Limits::default()).unwrap());
+        Arc::new(Posed::new(&Pose::rest(&rig)).unwrap())
+    }
+
+    fn job(posed: &Arc<Posed>, skinning: Skinning, skin: ShowSkin) -> Job {
+        let size = Size {
+            width: 8,
+            height: 8,
+        };
+        let bounds = Bounds {
+            min: DVec3::ZERO,
+            max: DVec3::ONE,
+        };
+        let scene = Scene {
+            size,
+            samples: Samples::One,
+            camera: Camera::orbit(Orbit::default(), &bounds, size).unwrap(),
+            lights: Vec::new(),
+            ambient: Scene::DEFAULT_AMBIENT,
+            background: Background::default(),
+        };
+        let appearance = Appearance {
+            show: Show::new(skin, Default::default(), Default::default(), 1.0).unwrap(),
+            ..Appearance::default()
+        };
+        let plan = Plan::picture(Arc::clone(posed), skinning, appearance, scene, 1.0);
+        let admission = Arc::new(Admission::new(&Limits::default()));
+        let terms = Terms {
+            urgency: Urgency::default(),
+            ticket: admission.admit().unwrap(),
+        };
+        Job::new(plan, terms, Box::new(|_| {}))
+    }
+
+    #[test]
+    fn one_job_computes_what_others_of_the_same_pose_wait_for() {
+        let cache = SkinCache::default();
+        let (one, other) = (posed(), posed());
+        let linear = |posed| job(posed, Skinning::Linear, ShowSkin::Posed);
+        let Lookup::Miss(first, computation) = cache.look_up(linear(&one)) else {
+            panic!("nobody computes it yet");
+        };
+        let skin = first.plan.instances[0].skin().clone();
+        assert!(!cache.is_awaited(&computation));
+        assert!(matches!(cache.look_up(linear(&one)), Lookup::Waiting));
+        assert!(matches!(cache.look_up(linear(&one)), Lookup::Waiting));
+        assert!(cache.is_awaited(&computation));
+        assert!(cache.ready(&skin).is_none());
+        // Another rig, another way of skinning, another shape: none of them is the same.
+        for unlike in [
+            linear(&other),
+            job(&one, Skinning::DualQuaternion, ShowSkin::Posed),
+            job(&one, Skinning::Linear, ShowSkin::Bind),
+        ] {
+            let Lookup::Miss(_, computation) = cache.look_up(unlike) else {
+                panic!("it is another one");
+            };
+            // It failed.
+            assert!(cache.complete(&computation, None).is_empty());
+        }
+        let skinned = Cpu::default().skin(&first.plan, Spread::to_the_end(Cores::One));
+        let skinned = Arc::new(skinned.unwrap());
+        assert_eq!(cache.complete(&computation, Some(&skinned)).len(), 2);
+        assert!(cache.ready(&skin).is_some());
+        let kept = Arc::downgrade(&skinned);
+        drop(skinned);
+        assert!(matches!(cache.look_up(linear(&one)), Lookup::Hit(..)));
+        cache.sweep();
+        assert_eq!(kept.strong_count(), 0);
+        assert!(cache.ready(&skin).is_none());
+        assert!(matches!(cache.look_up(linear(&one)), Lookup::Miss(..)));
+    }
+
+    #[test]
+    fn where_computing_fails_those_who_waited_look_up_anew() {
+        let cache = SkinCache::default();
+        let posed = posed();
+        let linear = || job(&posed, Skinning::Linear, ShowSkin::Posed);
+        let Lookup::Miss(_, computation) = cache.look_up(linear()) else {
+            panic!("nobody computes it yet");
+        };
+        assert!(matches!(cache.look_up(linear()), Lookup::Waiting));
+        let mut waiting = cache.complete(&computation, None);
+        assert_eq!(waiting.len(), 1);
+        let again = cache.look_up(waiting.remove(0));
+        assert!(matches!(again, Lookup::Miss(..)));
+    }
+}
