@@ -6,7 +6,7 @@ set -eu
 cargo=$1
 bundle=$2
 # Parity with rigd's own renderer, and vertices against the oracle.
-tests="twins coats gpu_coats extensions skinning"
+tests="twins materials extensions skinning"
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
@@ -19,13 +19,16 @@ done
 built() { sed -n "s/.*\"kind\":\[\"$1\"\].*\"name\":\"$2\".*\"test\":$3.*\"executable\":\"\([^\"]*\)\".*/\1/p" "$log" | tail -n 1; }
 
 rm -rf "$bundle"
-mkdir -p "$bundle/bin" "$bundle/tests" "$bundle/assets"
+mkdir -p "$bundle/bin/tests" "$bundle/tests" "$bundle/assets"
 cp "$(built bin rigd false)" "$bundle/bin/rigd"
 cp "$(built test throughput true)" "$bundle/bin/throughput"
 for test in $tests; do
-    cp "$(built test "$test" true)" "$bundle/tests/$test"
+    cp "$(built test "$test" true)" "$bundle/bin/tests/$test"
 done
-strip "$bundle"/bin/* "$bundle"/tests/*
+programs=$(find "$bundle/bin" -type f)
+strip $programs
+gzip $programs
+cp -R tests/cases "$bundle/tests/"
 cp -R assets/cse169 assets/mit6837 assets/gltf "$bundle/assets/"
 cp LICENSE-APACHE LICENSE-MIT "$bundle/"
 cp scripts/gpu_check.sh "$bundle/check.sh"

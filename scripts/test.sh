@@ -20,5 +20,5 @@ fi
 # Alone, so that no other driver is taken for it. Older loaders know the second name.
 if [ -n "$swiftshader" ]; then
     RIGD_TEST_ADAPTER=swiftshader VK_DRIVER_FILES=$swiftshader VK_ICD_FILENAMES=$swiftshader "$cargo" test --locked --test twins \
-        --test coats --test gpu_coats --test extensions --test obj --test device
+        --test materials --test extensions --test obj --test device
 fi

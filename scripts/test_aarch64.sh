@@ -20,7 +20,7 @@ take_debians() {
     mkdir -p "$folder/lists/partial" "$folder/sysroot"
     (
         cd "$folder"
-        apt() { apt-get -qq -o APT::Architectures=amd64,arm64 -o Dir::State::Lists="$folder/lists" -o Dir::Cache="$folder" "$@"; }
+        apt() { apt-get -qq -o APT::Sandbox::User=root -o APT::Architectures=amd64,arm64 -o Dir::State::Lists="$folder/lists" -o Dir::Cache="$folder" "$@"; }
         apt update
         apt download libstd-rust-web-dev:arm64
         dpkg-deb -x libstd-rust-web-dev_*_arm64.deb sysroot

@@ -35,14 +35,13 @@ struct Coat {
 
 struct Vertex {
     @builtin(position) position_in_clip: vec4<f32>,
-    // Centroid and the pixel's middle as in `shade.wgsl`.
-    @location(0) @interpolate(perspective, centroid) position_in_world: vec3<f32>,
-    @location(1) @interpolate(perspective, centroid) normal_in_world: vec3<f32>,
-    @location(2) @interpolate(perspective, centroid) color: vec3<f32>,
-    @location(3) middle_in_world: vec3<f32>,
+    @location(0) position_in_world: vec3<f32>,
+    @location(1) normal_in_world: vec3<f32>,
+    // The w of the clip space.
+    @location(2) w: f32,
+    @location(3) @interpolate(perspective, centroid) driver_centroid_in_clip: vec4<f32>,
     @location(4) texcoord: vec2<f32>,
-    // Of the pixel's middle, like the texture's: a mask takes all samples of a pixel or none.
-    @location(5) alpha: f32,
+    @location(5) color: vec4<f32>,
 }
 
 @vertex
@@ -55,26 +54,31 @@ fn coated_vertex(
     let position_in_clip = instance.clip_from_model * vec4(position_in_model, 1.0);
     let position_in_world = in_world(position_in_model);
     let normal_in_world = turned_to_world(normal_in_model);
-    return Vertex(position_in_clip, position_in_world, normal_in_world, color.rgb, position_in_world, texcoord, color.a);
+    return Vertex(position_in_clip, position_in_world, normal_in_world, position_in_clip.w, position_in_clip, texcoord, color);
 }
 
 @fragment
-fn coated_fragment(vertex: Vertex, @builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
+fn coated_fragment(vertex: Vertex, rasterized: Rasterized) -> @location(0) vec4<f32> {
     // The picture's rows run from the top, v from the bottom.
     let from_above = vec3(vertex.texcoord.x, 1.0 - vertex.texcoord.y, 1.0);
     let texel = sampled(color_picture, color_sampler, place(coat.color_place, from_above));
-    let diffuse = coat.color.rgb * texel.rgb * clamp(vertex.color, vec3(0.0), vec3(1.0));
-    let alpha = coat.color.a * texel.a * clamp(vertex.alpha, 0.0, 1.0);
+    let offset = centroid_offset(rasterized, vertex.position_in_clip, vertex.driver_centroid_in_clip);
+    let shaded = place_at(offset, vertex.w);
+    let vertex_color = at_place(vertex.color.rgb, shaded);
+    let diffuse = coat.color.rgb * texel.rgb * clamp(vertex_color, vec3(0.0), vec3(1.0));
+    // Of the pixel's center, like the texture's: a mask takes all samples of a pixel or none.
+    let alpha = coat.color.a * texel.a * clamp(vertex.color.a, 0.0, 1.0);
 
     // All that is asked below is the same for every pixel of a draw, as derivatives need it; only then are pixels left out.
     var color = diffuse;
     if coat.is_lit == 1u {
-        let p = vertex.position_in_world;
+        let p = at_place(vertex.position_in_world, shaded);
+        let smooth_normal = at_place(vertex.normal_in_world, shaded);
         let back_to_eye = toward_eye(p);
         let is_flat = (coat.is_flat | instance.flat_normals) == 1u;
-        var n = normal_seen(vertex.normal_in_world, vertex.middle_in_world, is_front, back_to_eye, is_flat);
+        var n = normal_seen(smooth_normal, vertex.position_in_world, rasterized.is_front, back_to_eye, is_flat);
         if coat.normal_scale != 0.0 && instance.flat_normals == 0u {
-            n = mapped(n, vertex.middle_in_world, place(coat.normal_place, from_above));
+            n = mapped(n, vertex.position_in_world, place(coat.normal_place, from_above));
         }
         color = reflected(p, n, back_to_eye, diffuse, coat.specular, coat.shininess);
         if any(coat.emissive != vec3(0.0)) {

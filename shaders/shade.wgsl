@@ -6,21 +6,21 @@
 
 struct Vertex {
     @builtin(position) position_in_clip: vec4<f32>,
-    // Where a pixel's middle lies outside the triangle, these are of a place inside: carried on past the silhouette a normal turns
-    // away from the eye and catches light from behind.
-    @location(0) @interpolate(perspective, centroid) position_in_world: vec3<f32>,
-    @location(1) @interpolate(perspective, centroid) normal_in_world: vec3<f32>,
-    // Of the pixel's middle in any case, so that its derivatives are the triangle's slope.
-    @location(2) middle_in_world: vec3<f32>,
+    @location(0) position_in_world: vec3<f32>,
+    @location(1) normal_in_world: vec3<f32>,
+    // The w of the clip space.
+    @location(2) w: f32,
+    @location(3) @interpolate(perspective, centroid) driver_centroid_in_clip: vec4<f32>,
 }
 
 struct TexturedVertex {
     @builtin(position) position_in_clip: vec4<f32>,
-    @location(0) @interpolate(perspective, centroid) position_in_world: vec3<f32>,
-    @location(1) @interpolate(perspective, centroid) normal_in_world: vec3<f32>,
-    @location(2) middle_in_world: vec3<f32>,
-    // Of the pixel's middle as well: its derivatives choose the mipmap.
-    @location(3) texcoord: vec2<f32>,
+    @location(0) position_in_world: vec3<f32>,
+    @location(1) normal_in_world: vec3<f32>,
+    @location(2) w: f32,
+    @location(3) @interpolate(perspective, centroid) driver_centroid_in_clip: vec4<f32>,
+    // Of the pixel's center in any case: its derivatives choose the mipmap.
+    @location(4) texcoord: vec2<f32>,
 }
 
 @vertex
@@ -28,12 +28,12 @@ fn plain_vertex(@location(0) position_in_model: vec3<f32>, @location(1) normal_i
     let position_in_clip = instance.clip_from_model * vec4(position_in_model, 1.0);
     let position_in_world = in_world(position_in_model);
     let normal_in_world = turned_to_world(normal_in_model);
-    return Vertex(position_in_clip, position_in_world, normal_in_world, position_in_world);
+    return Vertex(position_in_clip, position_in_world, normal_in_world, position_in_clip.w, position_in_clip);
 }
 
 @fragment
-fn plain_fragment(vertex: Vertex, @builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
-    return lit(vertex.position_in_world, vertex.normal_in_world, vertex.middle_in_world, is_front, instance.diffuse);
+fn plain_fragment(vertex: Vertex, rasterized: Rasterized) -> @location(0) vec4<f32> {
+    return lit(vertex, rasterized, instance.diffuse);
 }
 
 @vertex
@@ -45,13 +45,20 @@ fn textured_vertex(
     let position_in_clip = instance.clip_from_model * vec4(position_in_model, 1.0);
     let position_in_world = in_world(position_in_model);
     let normal_in_world = turned_to_world(normal_in_model);
-    return TexturedVertex(position_in_clip, position_in_world, normal_in_world, position_in_world, texcoord);
+    return TexturedVertex(position_in_clip, position_in_world, normal_in_world, position_in_clip.w, position_in_clip, texcoord);
 }
 
 @fragment
-fn textured_fragment(vertex: TexturedVertex, @builtin(front_facing) is_front: bool) -> @location(0) vec4<f32> {
+fn textured_fragment(vertex: TexturedVertex, rasterized: Rasterized) -> @location(0) vec4<f32> {
     let diffuse = instance.textured_diffuse * sampled(vertex.texcoord);
-    return lit(vertex.position_in_world, vertex.normal_in_world, vertex.middle_in_world, is_front, diffuse);
+    let untextured = Vertex(
+        vertex.position_in_clip,
+        vertex.position_in_world,
+        vertex.normal_in_world,
+        vertex.w,
+        vertex.driver_centroid_in_clip,
+    );
+    return lit(untextured, rasterized, diffuse);
 }
 
 // The level of detail is worked out here and its two neighbours are mixed here: drivers have formulas of their own for both.
@@ -69,8 +76,13 @@ fn sampled(texcoord: vec2<f32>) -> vec3<f32> {
     return mix(nearer, further, level - lower);
 }
 
-fn lit(p: vec3<f32>, smooth_normal: vec3<f32>, middle: vec3<f32>, is_front: bool, diffuse: vec3<f32>) -> vec4<f32> {
+fn lit(vertex: Vertex, rasterized: Rasterized, diffuse: vec3<f32>) -> vec4<f32> {
+    let offset = centroid_offset(rasterized, vertex.position_in_clip, vertex.driver_centroid_in_clip);
+    let place = place_at(offset, vertex.w);
+    let p = at_place(vertex.position_in_world, place);
+    let smooth_normal = at_place(vertex.normal_in_world, place);
     let back_to_eye = toward_eye(p);
-    let n = normal_seen(smooth_normal, middle, is_front, back_to_eye, instance.flat_normals == 1u);
+    let is_flat = instance.flat_normals == 1u;
+    let n = normal_seen(smooth_normal, vertex.position_in_world, rasterized.is_front, back_to_eye, is_flat);
     return vec4(blinn_phong(p, n, back_to_eye, diffuse) * instance.opacity, instance.opacity);
 }

@@ -72,6 +72,9 @@ pub mod limits;
 pub mod pick;
 pub mod pose;
 pub mod protocol;
+#[cfg(test)]
+#[path = "../tests/support/random.rs"]
+mod random;
 pub mod render;
 pub mod rig;
 pub mod scene;

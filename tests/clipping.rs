@@ -12,7 +12,7 @@ use rigd::scene::{
     Background, Bounds, Camera, Color, Cull, LookAt, Near, Ray, Samples, Show, Size, Surface,
 };
 use std::sync::Arc;
-use support::oracle::Random;
+use support::random::Random;
 use support::shot::Shot;
 
 const SIZE: Size = Size {

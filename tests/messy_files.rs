@@ -1,6 +1,8 @@
 //! What files of the courses hold beside what their grammars say: does each load as its author meant it, with a word about what was passed
 //! over?
 
+mod support;
+
 use rigd::formats::{File, FileRef, Loaded, Source, load};
 use rigd::limits::Limits;
 use rigd::rig::{Rig, Rotation};
@@ -22,10 +24,7 @@ fn text(name: &str, text: &str) -> Rig {
 
 /// Files of `tests/cases/course`.
 fn cases(names: &[&str]) -> Loaded {
-    let read = |name: &&str| {
-        let path = format!("{}/tests/cases/course/{name}", env!("CARGO_MANIFEST_DIR"));
-        std::fs::read(path).expect("the case is there")
-    };
+    let read = |name: &&str| support::case_bytes(&format!("course/{name}"));
     let contents: Vec<Vec<u8>> = names.iter().map(read).collect();
     let contents = contents.iter().map(Vec::as_slice);
     let files: Vec<_> = names.iter().copied().zip(contents).collect();
@@ -111,11 +110,7 @@ fn a_picture_of_a_gltf_that_is_too_wide_is_left_out_by_name() {
             {{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3, "min": [0, 0, 0], "max": [0, 0, 0]}},
             {{"bufferView": 0, "componentType": 5126, "type": "VEC2", "count": 3}}]}}"#
     );
-    let picture = std::fs::read(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/tests/cases/course/wide_17000.png"
-    ));
-    let picture = picture.expect("the case is there");
+    let picture = support::case_bytes("course/wide_17000.png");
     let rig = loaded(&[
         ("a.gltf", document.as_bytes()),
         ("wide_17000.png", &picture),

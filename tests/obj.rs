@@ -7,9 +7,8 @@ use rigd::limits::Limits;
 use rigd::service::Service;
 use serde_json::{Value, json};
 use std::io::Cursor;
-use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
-use support::alike::{self, SHARE_OF_ALL};
+use support::alike::{self, share_of_all};
 use support::pictures::{draw, over};
 use support::{ask_ok, with_base64};
 
@@ -123,12 +122,9 @@ fn see_through(service: &Arc<Service>) -> Value {
     )
 }
 
-fn case_path(name: &str) -> PathBuf {
-    support::places::repository("tests/cases/course").join(name)
-}
-
+/// The text of a file of `tests/cases/course`.
 fn case(name: &str) -> String {
-    std::fs::read_to_string(case_path(name)).expect("a case of the repository")
+    String::from_utf8(support::case_bytes(&format!("course/{name}"))).expect("it is text")
 }
 
 /// Even white light from everywhere, so that a pixel is its color.
@@ -277,8 +273,7 @@ fn vertices_have_colors_of_their_own() {
 
 #[test]
 fn what_is_beside_an_obj_is_found_and_told_in_its_digest() {
-    let folder = case_path("");
-    let source = Source::rooted(&folder).expect("a folder");
+    let source = Source::rooted(&support::case_path("course")).expect("a folder");
     let service = support::service_with(Limits::default(), source);
     let by_path = |file: &str| {
         let files = json!({"name": "of", "replace": true, "files": [file]});
@@ -315,7 +310,7 @@ fn what_is_beside_an_obj_is_found_and_told_in_its_digest() {
 
 #[test]
 fn cases_load_with_one_warning_for_each_oddity() {
-    let source = Source::rooted(&case_path("")).expect("a folder");
+    let source = Source::rooted(&support::case_path("course")).expect("a folder");
     let service = support::service_with(Limits::default(), source);
     for (file, wanted) in [
         ("nul_at_end.obj", 1),
@@ -352,7 +347,7 @@ fn both_renderers_draw_an_obj_alike() {
         let (of_picture, channels) = alike::compare(&format!("obj_{name}"), &images, false);
         (off, all) = (off + of_picture, all + channels);
     }
-    assert!(off as f64 <= SHARE_OF_ALL * all as f64, "{off} of {all}");
+    assert!(off as f64 <= share_of_all() * all as f64, "{off} of {all}");
 }
 
 #[test]

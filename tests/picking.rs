@@ -5,8 +5,8 @@ mod support;
 use rigd::service::Service;
 use serde_json::{Value, json};
 use std::sync::{Arc, LazyLock};
-use support::oracle::Random;
 use support::pictures::{Drawn, draw, over};
+use support::random::Random;
 use support::{ask, ask_kind, ask_ok};
 
 static SERVICE: LazyLock<Arc<Service>> = LazyLock::new(support::service);

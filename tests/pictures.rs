@@ -8,8 +8,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt::Write;
 use std::sync::{Arc, LazyLock};
 use support::ask_ok;
-use support::oracle::{Random, Vector};
+use support::oracle::Vector;
 use support::pictures::{Drawn, Image, ask_attached, attached_bytes, draw, encoded, linear, over};
+use support::random::Random;
 
 static SERVICE: LazyLock<Arc<Service>> = LazyLock::new(support::service);
 

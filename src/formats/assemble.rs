@@ -1,214 +1,195 @@
-//! From the files of a rig to its draft: each one read, and what they say brought together.
+//! From the files of a rig to its draft: each one read, and their contributions put together.
 //! Never lives here: any file's grammar, and which files a rig is made of.
 
-use super::cse169::anim::{self, Moves};
-use super::cse169::morph::{self, Changes};
-use super::cse169::skel;
-use super::cse169::skin::{self, BoundTo, SkinMaterial};
+use super::context::Context;
+use super::contribution::{KnownMesh, KnownSkeleton, LooseClip, MeshPart};
 use super::error::LoadError;
-use super::files::{Files, Gathered};
-use super::gltf;
-use super::lexer::Lexer;
-use super::materials::MaterialLookup;
-use super::mit;
-use super::mit::attach::AttachedTo;
-use super::parts::Parts;
-use super::recognise::{Kind, stem};
-use super::textures::Textures;
-use crate::limits::Limits;
+use super::files::Gathered;
+use super::names::stem;
+use super::parts::{Part, Parts};
+use super::reader::{MeshReader, MorphReader, WeightsReader};
 use crate::rig::{
-    BindPose, BindingDraft, Draft, Material, MeshDraft, PartDraft, TexturePlace, Warnings,
+    Axis, BindingDraft, ChannelDraft, ChannelTarget, DofKind, Draft, JointDraft, Warnings,
 };
+use std::sync::Arc;
 
-/// Meshes, morph targets and clips stand in the draft as their files stand in `parts`.
+/// Meshes, morph targets and clips stand in the draft as their files stand in `parts`. Warnings are left in `context`.
 ///
 /// # Errors
 /// The first fault in a file, or the first ceiling that one exceeds.
-pub(super) fn assemble(
-    parts: &Parts,
-    files: &mut Files,
-    limits: &Limits,
-    warnings: Warnings,
-) -> Result<Draft, LoadError> {
-    if let Some(document) = &parts.document {
-        return gltf::read(document, files, limits, warnings);
-    }
-    let draft = Draft {
-        warnings,
-        ..Draft::default()
-    };
+pub(super) fn assemble(parts: &Parts, context: &mut Context) -> Result<Draft, LoadError> {
     let mut assembly = Assembly {
         parts,
-        files,
-        limits,
-        textures: Textures::new(limits),
-        draft,
+        draft: Draft::default(),
     };
-    assembly.read_skeleton()?;
-    for file in &parts.meshes {
-        match file.kind {
-            Kind::Obj => assembly.add_obj(file)?,
-            _ => assembly.add_skin(file)?,
-        }
+    if let Some(whole) = &parts.whole {
+        assembly.draft = (whole.read)(&whole.file, context)?;
+        assembly.draft.file = Some(name_of(&whole.file));
     }
-    for file in &parts.morphs {
-        assembly.add_morph(file)?;
+    if let Some(skeleton) = &parts.skeleton {
+        assembly.draft.joints = (skeleton.read)(&skeleton.file, context)?;
+        assembly.draft.file = Some(name_of(&skeleton.file));
     }
-    for file in &parts.clips {
-        assembly.add_clip(file)?;
+    for mesh in &parts.meshes {
+        assembly.add_mesh(mesh, context)?;
+    }
+    if let Some(weights) = &parts.weights {
+        assembly.add_weights(weights, context)?;
+    }
+    for morph in &parts.morphs {
+        assembly.add_morph(morph, context)?;
+    }
+    for clip in &parts.clips {
+        let read = (clip.read)(&clip.file, context)?;
+        assembly.add_clip(&clip.file, read, &mut context.warnings);
     }
     Ok(assembly.draft)
 }
 
-struct Assembly<'a, 'f> {
+struct Assembly<'a> {
     parts: &'a Parts,
-    files: &'a mut Files<'f>,
-    limits: &'a Limits,
-    textures: Textures<'a>,
     draft: Draft,
 }
 
-impl Assembly<'_, '_> {
-    fn read_skeleton(&mut self) -> Result<(), LoadError> {
-        if let Some(file) = &self.parts.skeleton {
-            let warnings = &mut self.draft.warnings;
-            let text = file.uncommented(warnings)?;
-            let lexer = Lexer::new(&file.name, &text);
-            self.draft.joints = match file.kind {
-                Kind::MitSkel => mit::skel::read(lexer, self.limits, warnings)?,
-                _ => skel::read(lexer, self.limits, warnings)?,
-            };
-        }
-        Ok(())
+impl Assembly<'_> {
+    fn skeleton(&self) -> Option<KnownSkeleton<'_>> {
+        let skeleton = self.parts.skeleton.as_ref()?;
+        Some(KnownSkeleton {
+            file: &skeleton.file.name,
+            joints: &self.draft.joints,
+        })
     }
 
-    /// Adds a skin as a mesh of its own, bound joint by joint where there is a skeleton.
-    fn add_skin(&mut self, file: &Gathered) -> Result<(), LoadError> {
-        let bound_to = self.parts.skeleton.as_ref().map(|skeleton| BoundTo {
-            file: &skeleton.name,
-            joint_count: self.draft.joints.len(),
-        });
-        let warnings = &mut self.draft.warnings;
-        let text = file.uncommented(warnings)?;
-        let lexer = Lexer::new(&file.name, &text);
-        let skin = skin::read(lexer, bound_to, self.limits, warnings)?;
-        let material = skin
-            .material
-            .map(|material| self.add_material(file, material));
-        let part = PartDraft {
-            triangle_count: skin.mesh.triangles.len(),
-            material,
-            is_flat: false,
-        };
-        let mut mesh = MeshDraft {
-            parts: vec![part],
-            ..skin.mesh
-        };
-        if self.draft.joints.is_empty() {
-            // Nothing to be bound to: it stays as it was modelled.
-            mesh.influence_counts.clear();
-            mesh.influences.clear();
-        } else {
-            let bindings = skin.bindings.into_iter().enumerate();
-            let bindings = bindings.map(|(joint, bind_from_joint)| BindingDraft {
-                joint: Some(joint),
-                stood: BindPose::BindFromJoint(bind_from_joint),
-            });
-            self.add_bindings(bindings.collect(), &mut mesh);
+    fn mesh(&self, index: usize) -> KnownMesh<'_> {
+        KnownMesh {
+            file: &self.parts.meshes[index].file.name,
+            vertex_count: self.draft.meshes[index].positions.len(),
         }
+    }
+
+    fn add_mesh(
+        &mut self,
+        part: &Part<MeshReader>,
+        context: &mut Context,
+    ) -> Result<(), LoadError> {
+        let MeshPart {
+            mut mesh,
+            materials,
+            bindings,
+        } = match part.read {
+            MeshReader::Bound(read) => read(&part.file, context, self.skeleton())?,
+            MeshReader::Unbound(read) => read(&part.file, context)?,
+        };
+        let file = name_of(&part.file);
+        let first_material = self.draft.materials.len();
+        for material in mesh.parts.iter_mut().filter_map(|it| it.material.as_mut()) {
+            *material += first_material;
+        }
+        self.draft.materials.extend(materials);
+        let bindings = bindings.into_iter().map(|binding| BindingDraft {
+            file: Some(file.clone()),
+            ..binding
+        });
+        self.add_bindings(bindings.collect(), &mut mesh.influences);
+        mesh.file = Some(file);
         self.draft.meshes.push(mesh);
         Ok(())
     }
 
-    /// Returns its index.
-    fn add_material(&mut self, file: &Gathered, material: SkinMaterial) -> usize {
-        let warnings = &mut self.draft.warnings;
-        let texture = material.texture.and_then(|name| {
-            let mention = (name.file.as_str(), name.place.as_str());
-            self.textures.look_up(self.files, file, mention, warnings)
-        });
-        self.draft.materials.push(Material {
-            texture: texture.map(TexturePlace::plain),
-            ..Material::named(material.name)
-        });
-        self.draft.materials.len() - 1
+    fn add_weights(
+        &mut self,
+        part: &Part<WeightsReader>,
+        context: &mut Context,
+    ) -> Result<(), LoadError> {
+        let index = self.parts.mesh_of_weights(part)?;
+        let skeleton = KnownSkeleton {
+            file: &self.parts.skeleton_of_weights(part)?.name,
+            joints: &self.draft.joints,
+        };
+        let mut weights = (part.read.read)(&part.file, context, self.mesh(index), skeleton)?;
+        // Their bind pose is that of the skeleton's file.
+        self.add_bindings(weights.bindings, &mut weights.influences);
+        let mesh = &mut self.draft.meshes[index];
+        mesh.influence_counts = weights.influence_counts;
+        mesh.influences = weights.influences;
+        Ok(())
     }
 
-    /// Gives a mesh, whose influences name joints, bindings of its own.
-    fn add_bindings(&mut self, bindings: Vec<BindingDraft>, mesh: &mut MeshDraft) {
+    /// Adds bindings to the draft, and renumbers influences that were indices into `bindings`.
+    fn add_bindings(&mut self, bindings: Vec<BindingDraft>, influences: &mut [(u32, f64)]) {
         // Four thousand million of them would not fit any file.
         let first = self.draft.bindings.len() as u32;
         self.draft.bindings.extend(bindings);
-        for (binding, _) in &mut mesh.influences {
+        for (binding, _) in influences {
             *binding += first;
         }
     }
 
-    fn add_obj(&mut self, file: &Gathered) -> Result<(), LoadError> {
-        let warnings = &mut self.draft.warnings;
-        let text = file.text(warnings)?;
-        let obj = mit::obj::read(&file.name, &text, self.limits, warnings)?;
-        let mut lookup = MaterialLookup {
-            files: self.files,
-            textures: &mut self.textures,
-            materials: &mut self.draft.materials,
-            warnings,
-        };
-        let mut mesh = lookup.resolve(file, obj);
-        if let (Some(attachments), Some(skeleton)) = (&self.parts.attachments, &self.parts.skeleton)
-        {
-            let to = AttachedTo {
-                mesh_file: &file.name,
-                vertex_count: mesh.positions.len(),
-                skeleton_file: &skeleton.name,
-                joint_count: self.draft.joints.len(),
-            };
-            let text = attachments.uncommented(warnings)?;
-            let lexer = Lexer::new(&attachments.name, &text);
-            let read = mit::attach::read(lexer, to, self.limits)?;
-            mesh.influence_counts = read.influence_counts;
-            mesh.influences = read.influences;
-            self.add_bindings(mit::bindings(&self.draft.joints), &mut mesh);
-        }
-        self.draft.meshes.push(mesh);
-        Ok(())
-    }
-
-    fn add_morph(&mut self, file: &Gathered) -> Result<(), LoadError> {
-        // There is one skin wherever there is a morph target.
-        let is_skin = |file: &&std::sync::Arc<Gathered>| file.kind == Kind::Cse169Skin;
-        let mut meshes = self.parts.meshes.iter().zip(&self.draft.meshes).enumerate();
-        let Some((mesh, (skin, draft))) = meshes.find(|(_, (file, _))| is_skin(file)) else {
-            return Ok(());
-        };
-        let changes = Changes {
-            file: &skin.name,
-            mesh,
-            vertex_count: draft.positions.len(),
-        };
-        let warnings = &mut self.draft.warnings;
-        let text = file.uncommented(warnings)?;
-        let lexer = Lexer::new(&file.name, &text);
-        let mut morph = morph::read(lexer, changes, self.limits, warnings)?;
-        morph.name = stem(&file.name).to_owned();
+    fn add_morph(
+        &mut self,
+        part: &Part<MorphReader>,
+        context: &mut Context,
+    ) -> Result<(), LoadError> {
+        let index = self.parts.mesh_of_morph(part)?;
+        let mut morph = (part.read.read)(&part.file, context, self.mesh(index))?;
+        morph.file = Some(name_of(&part.file));
+        morph.name = stem(&part.file.name).to_owned();
+        morph.mesh = index;
         self.draft.morphs.push(morph);
         Ok(())
     }
 
-    fn add_clip(&mut self, file: &Gathered) -> Result<(), LoadError> {
-        let Some(skeleton) = &self.parts.skeleton else {
-            return Ok(());
-        };
-        let moves = Moves {
-            file: &skeleton.name,
-            joints: &self.draft.joints,
-        };
-        let warnings = &mut self.draft.warnings;
-        let text = file.uncommented(warnings)?;
-        let lexer = Lexer::new(&file.name, &text);
-        let mut clip = anim::read(lexer, moves, self.limits, warnings)?;
+    fn add_clip(&mut self, file: &Gathered, loose: LooseClip, warnings: &mut Warnings) {
+        let LooseClip {
+            mut clip,
+            channels_counted_at,
+        } = loose;
+        if let (Some(place), Some(skeleton)) = (channels_counted_at, self.skeleton()) {
+            let (found, wanted) = (clip.channels.len(), dof_count(skeleton.joints));
+            clip.channels
+                .retain(|channel| moves(channel, skeleton.joints));
+            if found != wanted {
+                let skeleton = skeleton.file;
+                warnings.push(|| {
+                    format!(
+                        "{place}: there are {found} channels, but `{skeleton}` takes {wanted}; those that fit are used"
+                    )
+                });
+            }
+        }
+        clip.file = Some(name_of(file));
         clip.name = stem(&file.name).to_owned();
         self.draft.clips.push(clip);
-        Ok(())
+    }
+}
+
+fn name_of(file: &Gathered) -> Arc<str> {
+    file.name.as_str().into()
+}
+
+/// How many DOFs the joints of a skeleton have that a clip can set.
+fn dof_count(joints: &[JointDraft]) -> usize {
+    let of_joint = |joint: &JointDraft| {
+        let vectors = 1 + usize::from(joint.translates) + usize::from(joint.scales);
+        vectors * Axis::ALL.len()
+    };
+    joints.iter().map(of_joint).sum()
+}
+
+/// Whether a skeleton has what a channel sets.
+fn moves(channel: &ChannelDraft, joints: &[JointDraft]) -> bool {
+    match channel {
+        ChannelDraft::Dof { target, .. } => match target {
+            ChannelTarget::Dof(DofKind::Translation { joint, .. }) => {
+                joints.get(*joint).is_some_and(|joint| joint.translates)
+            }
+            ChannelTarget::Dof(DofKind::Scale { joint, .. }) => {
+                joints.get(*joint).is_some_and(|joint| joint.scales)
+            }
+            ChannelTarget::Dof(DofKind::Rotation { joint, .. }) => *joint < joints.len(),
+            // Left to the rig, which knows their names.
+            ChannelTarget::Dof(DofKind::Morph { .. }) | ChannelTarget::Named(_) => true,
+        },
+        ChannelDraft::Rotation { joint, .. } => *joint < joints.len(),
     }
 }

@@ -1,4 +1,4 @@
-//! Why files did not become a rig: one enum for the room, and the one form in which a fault inside a file is told.
+//! Why files did not become a rig: one enum for all readers, and the one form of a fault inside a file.
 //! Never lives here: what the wire calls these.
 
 use crate::limits::LimitExceeded;

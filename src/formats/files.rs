@@ -2,9 +2,11 @@
 //! Never lives here: what is in them, and what becomes of a file that cannot be had.
 
 use super::error::{FileFault, LoadError, quoted};
-use super::recognise::{self, Kind, base_name};
+use super::format::Evidence;
+use super::names::base_name;
+use super::recognise::{Formats, Recognised};
 use super::source::{Budget, Denied, Source};
-use super::{FileRef, comments, text};
+use super::text::{self, comments};
 use crate::limits::Limits;
 use crate::rig::Warnings;
 use std::borrow::Cow;
@@ -12,22 +14,47 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// A file as a request names it.
+#[derive(Debug, Clone)]
+pub enum FileRef {
+    /// Opened by the [`Source`]; relative to its root where it has one.
+    Path(String),
+    Inline(File),
+}
+
+/// A file that came with the request.
+#[derive(Debug, Clone)]
+pub struct File {
+    /// As given, e.g. `wasp/wasp.skel`; other files know it by what follows the last slash.
+    pub name: String,
+    pub bytes: Arc<[u8]>,
+}
+
 /// A file in memory.
 #[derive(Debug)]
 pub(super) struct Gathered {
     /// As the request gives it. That of a file that another one refers to is made of the other's folder and what it is called there.
     pub name: String,
     pub bytes: Arc<[u8]>,
-    pub kind: Kind,
+    pub recognised: Recognised,
     /// Whether it was opened by its name, so that there is a folder to look beside it.
     pub by_path: bool,
 }
 
 impl Gathered {
-    /// Whether its reader would be the same under any name.
-    pub(super) fn is_told_by_content(&self) -> bool {
-        // A glTF document in JSON is known by its extension, but no other reader takes it.
-        self.kind == Kind::Gltf || self.kind == recognise::recognise("", &self.bytes)
+    /// Whether it is of a format of its own, and not what one of those may refer to.
+    pub(super) fn is_rig_file(&self) -> bool {
+        self.recognised != Recognised::Other
+    }
+
+    /// Whether it would be read alike under any name.
+    pub(super) fn is_known_by_content(&self) -> bool {
+        matches!(self.recognised, Recognised::As(_, Evidence::Content))
+    }
+
+    /// What it is: `a CSE 169 skin`.
+    pub(super) fn described(&self) -> String {
+        self.recognised.described(&self.bytes)
     }
 
     pub(super) fn text(&self, warnings: &mut Warnings) -> Result<Cow<'_, str>, FileFault> {
@@ -53,6 +80,7 @@ pub(super) struct Files<'a> {
     /// What is in folders that a file was looked for in, by their paths.
     listed: HashMap<PathBuf, Spellings>,
     other_spellings: Warnings,
+    formats: Formats,
     source: &'a Source,
     budget: Budget<'a>,
 }
@@ -85,6 +113,7 @@ impl<'a> Files<'a> {
     /// Checks the names, then reads and recognises the files in the order given.
     pub(super) fn gather(
         files: &[FileRef],
+        formats: Formats,
         source: &'a Source,
         limits: &'a Limits,
     ) -> Result<Self, LoadError> {
@@ -103,7 +132,7 @@ impl<'a> Files<'a> {
         let mut budget = Budget::new(limits);
         let sent = files
             .iter()
-            .map(|file| read(file, source, &mut budget).map(Arc::new))
+            .map(|file| read(file, formats, source, &mut budget).map(Arc::new))
             .collect::<Result<_, _>>()?;
         Ok(Self {
             sent,
@@ -113,9 +142,14 @@ impl<'a> Files<'a> {
             found: BTreeMap::new(),
             listed: HashMap::new(),
             other_spellings: Warnings::default(),
+            formats,
             source,
             budget,
         })
+    }
+
+    pub(super) fn formats(&self) -> Formats {
+        self.formats
     }
 
     pub(super) fn sent(&self) -> &[Arc<Gathered>] {
@@ -195,7 +229,7 @@ impl<'a> Files<'a> {
         }
         let found = Arc::new(Gathered {
             name: path.display().to_string(),
-            kind: recognise::recognise(name, &bytes),
+            recognised: self.formats.recognise(name, &bytes),
             bytes,
             by_path: true,
         });
@@ -207,7 +241,7 @@ impl<'a> Files<'a> {
     pub(super) fn warn(&mut self, warnings: &mut Warnings) {
         warnings.append(std::mem::take(&mut self.other_spellings));
         for (file, used) in self.sent.iter().zip(&self.used) {
-            if file.kind == Kind::Other && !used {
+            if !file.is_rig_file() && !used {
                 warnings.push(|| format!("`{}` is not used: no file refers to it", file.name));
             }
         }
@@ -222,7 +256,12 @@ impl<'a> Files<'a> {
     }
 }
 
-fn read(file: &FileRef, source: &Source, budget: &mut Budget) -> Result<Gathered, LoadError> {
+fn read(
+    file: &FileRef,
+    formats: Formats,
+    source: &Source,
+    budget: &mut Budget,
+) -> Result<Gathered, LoadError> {
     let name = name_of(file);
     let (bytes, by_path) = match file {
         FileRef::Path(path) => {
@@ -234,15 +273,15 @@ fn read(file: &FileRef, source: &Source, budget: &mut Budget) -> Result<Gathered
             (file.bytes.clone(), false)
         }
     };
-    let kind = recognise::recognise(name, &bytes);
-    if let Kind::Unsupported(_) = kind {
-        let found = kind.described(&bytes);
-        return Err(FileFault::whole(name, recognise::EXPECTED, found).into());
+    let recognised = formats.recognise(name, &bytes);
+    if let Recognised::NotRead(_) = recognised {
+        let found = recognised.described(&bytes);
+        return Err(FileFault::whole(name, formats.expected(), found).into());
     }
     Ok(Gathered {
         name: name.to_owned(),
         bytes,
-        kind,
+        recognised,
         by_path,
     })
 }

@@ -1,62 +1,45 @@
 //! From files to a [`Rig`]: finds out what each file is, reads it, and looks up what it refers to.
 //! Never lives here: posing, drawing, and any file name that the request did not give.
+//!
+//! A load goes through these files in turn: `files` has the bytes, `recognise` finds the format of each file by the table in `readers`,
+//! `parts` tells which files are the rig and whether they go together, `assemble` has each one read and puts what they contribute together
+//! to a [`Draft`](crate::rig::Draft), which the rig is built from.
 
 mod assemble;
-mod comments;
+mod context;
+mod contribution;
 mod cse169;
 mod digest;
 mod error;
 mod files;
+mod format;
 mod gltf;
-mod lexer;
-mod materials;
 mod mit;
+mod names;
+mod obj;
 mod parts;
 mod pictures;
+mod reader;
+mod readers;
 mod recognise;
 mod source;
 mod text;
 mod textures;
 
 pub use error::{FileFault, LoadError};
+pub use files::{File, FileRef};
 pub use source::Source;
 
 use crate::limits::Limits;
-use crate::rig::{Rig, RigError, Warnings};
+use crate::rig::{Rig, RigError, RigProblem, Warnings};
 use assemble::assemble;
-use files::{Files, Gathered};
+use context::Context;
+use files::Files;
 use parts::Parts;
-use recognise::Kind;
-use std::sync::Arc;
+use textures::Textures;
 
 /// What is read, in the words of [`Loaded::dialects`].
-pub const FORMATS: &[&str] = &[
-    "cse169 skel",
-    "cse169 skin",
-    "cse169 morph",
-    "cse169 anim",
-    "cse169 rig",
-    "mit6837 skel",
-    "obj",
-    "mit6837 attach",
-    "gltf",
-];
-
-/// A file as a request names it.
-#[derive(Debug, Clone)]
-pub enum FileRef {
-    /// Opened by the [`Source`]; relative to its root where it has one.
-    Path(String),
-    Inline(File),
-}
-
-/// A file that came with the request.
-#[derive(Debug, Clone)]
-pub struct File {
-    /// As given, e.g. `wasp/wasp.skel`; other files know it by what follows the last slash.
-    pub name: String,
-    pub bytes: Arc<[u8]>,
-}
+pub const FORMATS: &[&str] = &readers::NAMES;
 
 /// A rig and what its files say about it as files.
 #[derive(Debug)]
@@ -77,49 +60,43 @@ pub struct Loaded {
 /// # Errors
 /// [`LoadError`] names the file that is missing, forbidden or wrong, and what is wrong where.
 pub fn load(files: &[FileRef], source: &Source, limits: &Limits) -> Result<Loaded, LoadError> {
-    let mut files = Files::gather(files, source, limits)?;
-    let mut warnings = Warnings::default();
-    let parts = Parts::gather(&mut files, limits, &mut warnings)?;
-    let mut draft = assemble(&parts, &mut files, limits, warnings)?;
-    files.warn(&mut draft.warnings);
-    let rig = draft.build(limits).map_err(|error| told(error, &parts))?;
+    let mut context = Context {
+        limits,
+        files: Files::gather(files, readers::TABLE, source, limits)?,
+        textures: Textures::new(limits),
+        warnings: Warnings::default(),
+    };
+    let parts = Parts::gather(&mut context)?;
+    let mut draft = assemble(&parts, &mut context)?;
+    let Context {
+        mut files,
+        mut warnings,
+        ..
+    } = context;
+    files.warn(&mut warnings);
+    draft.warnings = warnings;
+    let rig = draft.build(limits).map_err(refused)?;
 
-    let is_used = |reader: &&str| parts.all().any(|file| file.kind.reader() == Some(reader));
+    let formats = || parts.all().filter_map(|file| file.recognised.format());
+    let is_used = |name: &&str| formats().any(|format| format.name == *name);
     Ok(Loaded {
         rig,
-        name: recognise::stem(&files.sent()[0].name).to_owned(),
+        name: names::stem(&files.sent()[0].name).to_owned(),
         digest: match files.all().as_slice() {
-            [(_, content)] if files.sent()[0].is_told_by_content() => digest::of_content(content),
+            [(_, content)] if files.sent()[0].is_known_by_content() => digest::of_content(content),
             _ => digest::of(files.all()),
         },
         dialects: FORMATS.iter().copied().filter(is_used).collect(),
     })
 }
 
-/// What the readers let through and the rig refuses all the same: told of the file it most likely came from.
-fn told(error: RigError, parts: &Parts) -> LoadError {
-    let skeleton = parts.skeleton.as_ref().or(parts.document.as_ref());
-    let of_mesh = |mesh: usize| parts.meshes.get(mesh);
-    // Where an OBJ is bound is said by the skeleton.
-    let says_bindings = of_mesh(0).filter(|mesh| mesh.kind != Kind::Obj);
-    let file: Option<&Arc<Gathered>> = match error {
-        RigError::Limit(exceeded) => return exceeded.into(),
-        RigError::CountsDiffer { mesh, .. } | RigError::OutOfRange { mesh, .. } => of_mesh(mesh),
-        RigError::SingularBinding { .. } => says_bindings,
-        RigError::NotFinite { mesh, .. } => mesh.and_then(of_mesh),
-        RigError::VertexTwice { morph, .. } => parts.morphs.get(morph),
-        RigError::NoSuchDof { clip } | RigError::KeysOutOfOrder { clip } => parts.clips.get(clip),
-        RigError::Empty | RigError::ParentNotBefore { .. } | RigError::LimitReversed { .. } => {
-            skeleton
-        }
-    };
-    let name = file
-        .or(skeleton)
-        .or(of_mesh(0))
-        .map_or("", |file| &file.name);
-    let fault = match error {
-        RigError::Empty => FileFault::whole(name, "a joint or a mesh", "nothing to draw"),
-        _ => FileFault::whole(name, "a rig without contradictions", error.to_string()),
+/// What the readers let through and the rig refuses all the same.
+fn refused(error: RigError) -> LoadError {
+    let file = error.file.as_deref().unwrap_or_default();
+    let fault = match error.problem {
+        RigProblem::Limit(exceeded) => return exceeded.into(),
+        RigProblem::Empty => FileFault::whole(file, "a joint or a mesh", "nothing to draw"),
+        problem => FileFault::whole(file, "a rig without contradictions", problem.to_string()),
     };
     fault.into()
 }

@@ -1,190 +1,230 @@
-//! Which files a rig is made of, told apart, and whether they go together.
-//! Never lives here: what is in them, but for the `.rig` that lists others.
+//! Which files a rig is made of, by what they contribute, and whether they go together.
+//! Never lives here: what is in them, but for a list of files.
 
-use super::cse169::list::{self, Entry, Role};
+use super::context::Context;
+use super::contribution::{ListEntry, LooseClip};
 use super::error::{FileFault, LoadError};
-use super::files::{Files, Gathered};
-use super::lexer::Lexer;
-use super::recognise::{self, Kind, base_name};
+use super::files::Gathered;
+use super::format::Format;
+use super::names::base_name;
+use super::reader::{Contribution, MeshReader, MorphReader, Read, Reader, WeightsReader};
+use super::readers::{READERS, reader_of};
 use super::source::Denied;
-use crate::limits::Limits;
-use crate::rig::Warnings;
+use crate::rig::{Draft, JointDraft};
 use std::collections::HashSet;
 use std::sync::Arc;
 
-/// The files that become a rig, and nothing else. What a `.rig` lists comes first and in its order, then come the other files of the
-/// request in theirs, so that a list means the same rig whether what it lists was sent or found.
+/// A file of the rig and how it is read.
+#[derive(Debug, Clone)]
+pub(super) struct Part<R> {
+    pub file: Arc<Gathered>,
+    pub read: R,
+}
+
+/// The files that become a rig, and nothing else. What a list names comes first and in its order, then come the other files of the
+/// request in theirs, so that a list means the same rig whether what it names was sent or found.
 #[derive(Debug, Default)]
 pub(super) struct Parts {
-    pub list: Option<Arc<Gathered>>,
-    pub skeleton: Option<Arc<Gathered>>,
-    /// Skins and OBJ files.
-    pub meshes: Vec<Arc<Gathered>>,
-    pub attachments: Option<Arc<Gathered>>,
-    pub morphs: Vec<Arc<Gathered>>,
-    pub clips: Vec<Arc<Gathered>>,
-    /// All of a rig in one.
-    pub document: Option<Arc<Gathered>>,
+    pub list: Option<Part<Read<Vec<ListEntry>>>>,
+    pub whole: Option<Part<Read<Draft>>>,
+    pub skeleton: Option<Part<Read<Vec<JointDraft>>>>,
+    pub meshes: Vec<Part<MeshReader>>,
+    pub weights: Option<Part<WeightsReader>>,
+    pub morphs: Vec<Part<MorphReader>>,
+    pub clips: Vec<Part<Read<LooseClip>>>,
 }
 
 impl Parts {
-    /// Finds what a `.rig` lists, if there is one, and checks that everything needed is there once.
-    pub(super) fn gather(
-        files: &mut Files,
-        limits: &Limits,
-        warnings: &mut Warnings,
-    ) -> Result<Self, LoadError> {
-        let sent = files.sent().to_vec();
+    /// Finds what a list names, if there is one, and checks that everything needed is there once.
+    pub(super) fn gather(context: &mut Context) -> Result<Self, LoadError> {
+        let sent: Vec<_> = context
+            .files
+            .sent()
+            .iter()
+            .filter_map(with_reader)
+            .collect();
         let mut parts = Self::default();
-        for file in sent.iter().filter(|file| file.kind == Kind::Cse169Rig) {
-            parts.add(file.clone())?;
+        let is_list = |reader: &Reader| matches!(reader.contribution, Contribution::List(_));
+        for (file, reader) in sent.iter().filter(|(_, reader)| is_list(reader)) {
+            parts.add(file.clone(), reader)?;
         }
-        let listed = match parts.list.clone() {
-            Some(list) => listed(&list, files, limits, warnings)?,
+        let listed = match &parts.list {
+            Some(list) => open_entries(&list.file, (list.read)(&list.file, context)?, context)?,
             None => Vec::new(),
         };
+        for (file, reader) in listed.iter().filter_map(with_reader) {
+            parts.add(file, reader)?;
+        }
         let is_listed = |file: &Arc<Gathered>| listed.iter().any(|it| Arc::ptr_eq(it, file));
-        let others = sent
-            .iter()
-            .filter(|file| file.kind != Kind::Cse169Rig && !is_listed(file));
-        for file in listed.iter().chain(others) {
-            parts.add(file.clone())?;
+        for (file, reader) in &sent {
+            if !is_list(reader) && !is_listed(file) {
+                parts.add(file.clone(), reader)?;
+            }
         }
-        let is_part = |file: &Arc<Gathered>| file.kind.reader().is_some();
-        if let Some(first) = sent.first().filter(|_| !sent.iter().any(is_part)) {
-            let found = first.kind.described(&first.bytes);
-            return Err(FileFault::whole(&first.name, recognise::EXPECTED, found).into());
+        if let Some(first) = context.files.sent().first().filter(|_| sent.is_empty()) {
+            let (expected, found) = (context.files.formats().expected(), first.described());
+            return Err(FileFault::whole(&first.name, expected, found).into());
         }
-        parts.check_document()?;
-        parts.check_morphs()?;
-        parts.check_clips()?;
-        parts.check_attachments()?;
+        parts.check()?;
         Ok(parts)
     }
 
-    fn add(&mut self, file: Arc<Gathered>) -> Result<(), LoadError> {
-        match file.kind {
-            Kind::Cse169Skel | Kind::MitSkel => {
+    fn add(&mut self, file: Arc<Gathered>, reader: &Reader) -> Result<(), LoadError> {
+        let in_rig = || format!("one {} in the rig", reader.format.noun);
+        match reader.contribution {
+            Contribution::List(read) => {
+                let expected = || format!("one {} in a request", reader.format.noun);
+                put_once(&mut self.list, Part { file, read }, expected)?;
+            }
+            Contribution::Whole(read) => put_once(&mut self.whole, Part { file, read }, in_rig)?,
+            Contribution::Skeleton(read) => {
                 if let Some(first) = &self.skeleton {
                     return Err(LoadError::TwoSkeletons {
-                        first: first.name.clone(),
+                        first: first.file.name.clone(),
                         second: file.name.clone(),
                     });
                 }
-                self.skeleton = Some(file);
+                self.skeleton = Some(Part { file, read });
             }
-            Kind::Cse169Skin | Kind::Obj => self.meshes.push(file),
-            Kind::Cse169Morph => self.morphs.push(file),
-            Kind::Cse169Anim => self.clips.push(file),
-            Kind::Cse169Rig => put_once(&mut self.list, file, "one `.rig` in a request")?,
-            Kind::MitAttach => put_once(&mut self.attachments, file, "one `.attach` in the rig")?,
-            Kind::Gltf => put_once(&mut self.document, file, "one glTF document in the rig")?,
-            Kind::Unsupported(_) | Kind::Other => {}
+            Contribution::Mesh(read) => self.meshes.push(Part { file, read }),
+            Contribution::Weights(read) => {
+                put_once(&mut self.weights, Part { file, read }, in_rig)?;
+            }
+            Contribution::Morph(read) => self.morphs.push(Part { file, read }),
+            Contribution::Clip(read) => self.clips.push(Part { file, read }),
         }
         Ok(())
-    }
-
-    pub(super) fn meshes_of(&self, kind: Kind) -> impl Iterator<Item = &Arc<Gathered>> {
-        self.meshes.iter().filter(move |file| file.kind == kind)
     }
 
     /// Every file in it.
     pub(super) fn all(&self) -> impl Iterator<Item = &Arc<Gathered>> {
         let alone = [
-            &self.list,
-            &self.skeleton,
-            &self.attachments,
-            &self.document,
+            self.list.as_ref().map(|part| &part.file),
+            self.skeleton.as_ref().map(|part| &part.file),
+            self.weights.as_ref().map(|part| &part.file),
+            self.whole.as_ref().map(|part| &part.file),
         ];
-        let many = [&self.meshes, &self.morphs, &self.clips];
-        alone
-            .into_iter()
-            .flatten()
-            .chain(many.into_iter().flatten())
+        let meshes = self.meshes.iter().map(|part| &part.file);
+        let morphs = self.morphs.iter().map(|part| &part.file);
+        let clips = self.clips.iter().map(|part| &part.file);
+        let alone = alone.into_iter().flatten();
+        alone.chain(meshes).chain(morphs).chain(clips)
     }
 
-    fn check_document(&self) -> Result<(), FileFault> {
-        let Some(document) = &self.document else {
+    fn check(&self) -> Result<(), FileFault> {
+        self.check_whole()?;
+        for morph in &self.morphs {
+            self.mesh_of_morph(morph)?;
+        }
+        if let (Some(clip), None) = (self.clips.first(), &self.skeleton) {
+            let expected = "a skeleton in the rig, which this animation moves";
+            return Err(FileFault::whole(&clip.file.name, expected, "none"));
+        }
+        match &self.weights {
+            Some(weights) => {
+                self.mesh_of_weights(weights)?;
+                self.skeleton_of_weights(weights).map(drop)
+            }
+            None => self.check_unbound(),
+        }
+    }
+
+    fn check_whole(&self) -> Result<(), FileFault> {
+        let Some(whole) = &self.whole else {
             return Ok(());
         };
-        match self.all().find(|file| !Arc::ptr_eq(file, document)) {
+        match self.all().find(|file| !Arc::ptr_eq(file, &whole.file)) {
             Some(other) => {
-                let found = format!("`{}`, {}", other.name, other.kind.described(&other.bytes));
-                let expected = "no other rig file beside a glTF document";
-                Err(FileFault::whole(&document.name, expected, found))
+                let expected = format!("no other rig file beside {}", whole.file.described());
+                Err(FileFault::whole(&whole.file.name, expected, named(other)))
             }
             None => Ok(()),
         }
     }
 
-    fn check_morphs(&self) -> Result<(), FileFault> {
-        let Some(morph) = self.morphs.first() else {
+    /// The index of the mesh that a morph target is of.
+    pub(super) fn mesh_of_morph(&self, morph: &Part<MorphReader>) -> Result<usize, FileFault> {
+        let purpose = "which this morph target changes";
+        self.one_mesh(morph.read.mesh, &morph.file, purpose)
+    }
+
+    /// The index of the mesh that weights are of.
+    pub(super) fn mesh_of_weights(
+        &self,
+        weights: &Part<WeightsReader>,
+    ) -> Result<usize, FileFault> {
+        let purpose = "which this file attaches to a skeleton";
+        self.one_mesh(weights.read.mesh, &weights.file, purpose)
+    }
+
+    fn one_mesh(
+        &self,
+        format: &Format,
+        file: &Gathered,
+        purpose: &str,
+    ) -> Result<usize, FileFault> {
+        let meshes = self.meshes.iter().map(|part| &part.file).enumerate();
+        let mut meshes = meshes.filter(|(_, mesh)| mesh.recognised.format() == Some(format));
+        let found = match (meshes.next(), meshes.next()) {
+            (Some((index, _)), None) => return Ok(index),
+            (Some((_, first)), Some((_, second))) => both(first, second),
+            (None, _) => "none".to_owned(),
+        };
+        let expected = format!("one {} in the rig, {purpose}", format.noun);
+        Err(FileFault::whole(&file.name, expected, found))
+    }
+
+    /// The file of the skeleton that weights bind a mesh to.
+    pub(super) fn skeleton_of_weights(
+        &self,
+        weights: &Part<WeightsReader>,
+    ) -> Result<&Gathered, FileFault> {
+        let wanted = weights.read.skeleton;
+        let found = match &self.skeleton {
+            Some(part) if part.file.recognised.format() == Some(wanted) => return Ok(&part.file),
+            Some(other) => named(&other.file),
+            None => "none".to_owned(),
+        };
+        let expected = format!("{}, which this file attaches a mesh to", wanted.what);
+        Err(FileFault::whole(&weights.file.name, expected, found))
+    }
+
+    /// Without weights no mesh may stand beside a skeleton that does not bind itself to it.
+    fn check_unbound(&self) -> Result<(), FileFault> {
+        let mut meshes = self.meshes.iter();
+        let unbound = meshes.find(|mesh| matches!(mesh.read, MeshReader::Unbound(_)));
+        let (Some(mesh), Some(skeleton)) = (unbound, &self.skeleton) else {
             return Ok(());
         };
-        let mut skins = self.meshes_of(Kind::Cse169Skin);
-        let found = match (skins.next(), skins.next()) {
-            (Some(_), None) => return Ok(()),
-            (Some(first), Some(second)) => both(first, second),
-            _ => "none".to_owned(),
+        let binds = |reader: &&Reader| match reader.contribution {
+            Contribution::Weights(read) => mesh.file.recognised.format() == Some(read.mesh),
+            _ => false,
         };
-        let expected = "one skin in the rig, which this morph target changes";
-        Err(FileFault::whole(&morph.name, expected, found))
-    }
-
-    fn check_clips(&self) -> Result<(), FileFault> {
-        match self.clips.first() {
-            Some(clip) if self.skeleton.is_none() => {
-                let expected = "a skeleton in the rig, which this animation moves";
-                Err(FileFault::whole(&clip.name, expected, "none"))
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// An OBJ file says nothing of joints: with a skeleton there has to be a file that does.
-    fn check_attachments(&self) -> Result<(), FileFault> {
-        let mut meshes = self.meshes_of(Kind::Obj);
-        let (mesh, second) = (meshes.next(), meshes.next());
-        let skeleton = self.skeleton.as_ref();
-        let Some(attachments) = &self.attachments else {
-            return match (mesh, skeleton) {
-                (Some(mesh), Some(skeleton)) => {
-                    let expected = format!(
-                        "an `.attach` file in the rig, which attaches this mesh to `{}`",
-                        skeleton.name
-                    );
-                    Err(FileFault::whole(&mesh.name, expected, "none"))
-                }
-                _ => Ok(()),
-            };
-        };
-        let wrong = |expected: &str, found: String| {
-            Err(FileFault::whole(&attachments.name, expected, found))
-        };
-        const MESH: &str = "one OBJ mesh in the rig, which this file attaches to a skeleton";
-        const SKELETON: &str = "a MIT 6.837 skeleton, which this file attaches a mesh to";
-        match (mesh, second, skeleton) {
-            (None, _, _) => wrong(MESH, "none".to_owned()),
-            (Some(first), Some(second), _) => wrong(MESH, both(first, second)),
-            (_, _, None) => wrong(SKELETON, "none".to_owned()),
-            (_, _, Some(other)) if other.kind != Kind::MitSkel => {
-                let found = format!("`{}`, {}", other.name, other.kind.described(&other.bytes));
-                wrong(SKELETON, found)
-            }
-            _ => Ok(()),
-        }
+        let weights = READERS.into_iter().find(binds);
+        let noun = weights.map_or("weights", |reader| reader.format.noun);
+        let expected = format!(
+            "an {noun} file in the rig, which attaches this mesh to `{}`",
+            skeleton.file.name
+        );
+        Err(FileFault::whole(&mesh.file.name, expected, "none"))
     }
 }
 
-fn put_once(
-    place: &mut Option<Arc<Gathered>>,
-    file: Arc<Gathered>,
-    expected: &str,
+/// `None` of a file that no reader takes.
+fn with_reader(file: &Arc<Gathered>) -> Option<(Arc<Gathered>, &'static Reader)> {
+    Some((file.clone(), reader_of(file.recognised.format()?)?))
+}
+
+fn put_once<R>(
+    slot: &mut Option<Part<R>>,
+    part: Part<R>,
+    expected: impl Fn() -> String,
 ) -> Result<(), FileFault> {
-    if let Some(first) = place {
-        return Err(FileFault::whole(&file.name, expected, both(first, &file)));
+    if let Some(first) = slot {
+        let found = both(&first.file, &part.file);
+        return Err(FileFault::whole(&part.file.name, expected(), found));
     }
-    *place = Some(file);
+    *slot = Some(part);
     Ok(())
 }
 
@@ -192,24 +232,23 @@ fn both(first: &Gathered, second: &Gathered) -> String {
     format!("both `{}` and `{}`", first.name, second.name)
 }
 
-/// What a `.rig` lists, in its order.
-fn listed(
+fn named(file: &Gathered) -> String {
+    format!("`{}`, {}", file.name, file.described())
+}
+
+/// The files that a list names, in its order.
+fn open_entries(
     list: &Arc<Gathered>,
-    files: &mut Files,
-    limits: &Limits,
-    warnings: &mut Warnings,
+    entries: Vec<ListEntry>,
+    context: &mut Context,
 ) -> Result<Vec<Arc<Gathered>>, LoadError> {
-    let text = list.uncommented(warnings)?;
-    let entries = list::read(Lexer::new(&list.name, &text), limits, warnings)?;
     let mut names = HashSet::new();
     let mut listed = Vec::with_capacity(entries.len());
     for entry in entries {
-        let file = open_entry(list, &entry, files)?;
+        let file = open_entry(list, &entry, context)?;
         if !names.insert(base_name(&file.name).to_owned()) {
-            let expected = "each file once";
-            return Err(entry
-                .fault(&list.name, expected, "a second mention of it")
-                .into());
+            let fault = entry.fault(&list.name, "each file once", "a second mention of it");
+            return Err(fault.into());
         }
         listed.push(file);
     }
@@ -218,18 +257,13 @@ fn listed(
 
 fn open_entry(
     list: &Arc<Gathered>,
-    entry: &Entry,
-    files: &mut Files,
+    entry: &ListEntry,
+    context: &mut Context,
 ) -> Result<Arc<Gathered>, LoadError> {
-    let wanted = match entry.role {
-        Role::Skeleton => Kind::Cse169Skel,
-        Role::Skin => Kind::Cse169Skin,
-        Role::Morph => Kind::Cse169Morph,
-    };
-    let found = match files.look_up(list, &entry.file) {
-        Ok(file) if file.kind == wanted => return Ok(file),
+    let found = match context.files.look_up(list, &entry.file) {
+        Ok(file) if file.recognised.format() == Some(entry.format) => return Ok(file),
         Ok(file) if Arc::ptr_eq(&file, list) => "this `.rig` itself".to_owned(),
-        Ok(file) => file.kind.described(&file.bytes),
+        Ok(file) => file.described(),
         Err(Denied::Limit(exceeded)) => return Err(exceeded.into()),
         Err(Denied::NotFound) if list.by_path => {
             "no such file in the request or beside this one".to_owned()
@@ -238,6 +272,5 @@ fn open_entry(
         Err(Denied::NotAllowed(reason)) => format!("that it may not be opened: {reason}"),
         Err(Denied::Io(error)) => format!("that it cannot be read: {error}"),
     };
-    let expected = entry.expected(&wanted.described(&[]));
-    Err(entry.fault(&list.name, expected, found).into())
+    Err(entry.fault(&list.name, entry.expected(), found).into())
 }

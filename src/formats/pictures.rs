@@ -64,7 +64,7 @@ pub(super) enum Alpha {
     Drop,
 }
 
-/// Width and height, neither of them 0, of a picture that may be decoded: BMP, PNG or JPEG, told apart by content.
+/// Width and height, neither of them 0, of a picture that may be decoded: BMP, PNG or JPEG, recognised by content.
 fn dimensions(encoded: &[u8], limits: &Limits) -> Result<[u32; 2], BadPicture> {
     let reader = reader(encoded)?;
     if reader.format().is_none() {

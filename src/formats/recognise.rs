@@ -1,106 +1,101 @@
-//! Which reader a file is for: its content decides, its extension is a hint where two dialects look alike.
-//! Never lives here: reading past the first words.
+//! Which format a file is of: content decides, and the extension where two formats look alike.
+//! Never lives here: what speaks for one format, and reading past the first words.
 
-use super::comments::{self, End};
 use super::error::quoted;
+use super::format::{Evidence, Format, Opening};
+use super::names::extension;
+use super::text::comments::{self, End};
 use super::text::without_bom;
 use std::ops::Range;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    Cse169Skel,
-    Cse169Skin,
-    Cse169Morph,
-    Cse169Anim,
-    Cse169Rig,
-    MitSkel,
-    Obj,
-    MitAttach,
-    Gltf,
-    /// Known by name only: what it is.
-    Unsupported(&'static str),
-    /// A picture perhaps, if a file refers to it.
+/// All formats that are read.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Formats(pub &'static [&'static Format]);
+
+/// What a file was found to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Recognised {
+    As(&'static Format, Evidence),
+    /// A rig file of a kind that is not read: what it is.
+    NotRead(&'static str),
+    /// A picture or a buffer perhaps, if a file refers to it.
     Other,
 }
 
-pub(super) const EXPECTED: &str = "a rig file (CSE 169 `.skel`, `.skin`, `.morph`, `.anim` or `.rig`, \
-                                   MIT 6.837 `.skel` or `.attach`, `.obj`, or glTF 2.0 `.gltf` or `.glb`)";
-
-impl Kind {
-    /// Its reader, in the words of [`FORMATS`](super::FORMATS).
-    pub(super) fn reader(self) -> Option<&'static str> {
-        Some(match self {
-            Self::Cse169Skel => "cse169 skel",
-            Self::Cse169Skin => "cse169 skin",
-            Self::Cse169Morph => "cse169 morph",
-            Self::Cse169Anim => "cse169 anim",
-            Self::Cse169Rig => "cse169 rig",
-            Self::MitSkel => "mit6837 skel",
-            Self::Obj => "obj",
-            Self::MitAttach => "mit6837 attach",
-            Self::Gltf => "gltf",
-            Self::Unsupported(_) | Self::Other => return None,
-        })
-    }
-
-    /// What a file of this kind is: `a CSE 169 skin`.
-    pub(super) fn described(self, bytes: &[u8]) -> String {
-        let what = match self {
-            Self::Cse169Skel => "a CSE 169 skeleton",
-            Self::Cse169Skin => "a CSE 169 skin",
-            Self::Cse169Morph => "a CSE 169 morph target",
-            Self::Cse169Anim => "a CSE 169 animation",
-            Self::Cse169Rig => "a `.rig` list of files",
-            Self::MitSkel => "a MIT 6.837 skeleton",
-            Self::Obj => "an OBJ mesh",
-            Self::MitAttach => "a MIT 6.837 attachment list",
-            Self::Gltf => "a glTF document",
-            Self::Unsupported(what) => return format!("{what}, which is not supported"),
-            Self::Other => return describe_other(bytes),
+impl Formats {
+    pub(super) fn recognise(self, file: &str, bytes: &[u8]) -> Recognised {
+        let opening = Opening {
+            extension: &extension(file),
+            bytes,
+            words: first_words(bytes),
         };
-        what.to_owned()
-    }
-}
-
-pub(super) fn recognise(file: &str, bytes: &[u8]) -> Kind {
-    let words = first_words(bytes);
-    // Readers take keywords in any case.
-    let word = words[0].to_ascii_lowercase();
-    let extension = extension(file);
-    let starts_a_number = word
-        .iter()
-        .find(|byte| !b"+-.".contains(byte))
-        .is_some_and(u8::is_ascii_digit);
-    match (extension.as_str(), word.as_slice()) {
-        (_, b"balljoint" | b"joint") => Kind::Cse169Skel,
-        // The two look alike at first.
-        ("morph", b"positions" | b"normals") => Kind::Cse169Morph,
-        (
-            _,
-            b"positions" | b"normals" | b"texcoords" | b"skinweights" | b"triangles" | b"bindings"
-            | b"material",
-        ) => Kind::Cse169Skin,
-        // Also words of plain language: what follows must look right as well.
-        (_, b"animation") if words[1] == b"{" => Kind::Cse169Anim,
-        (_, b"rig") if words[1..].contains(&&b"{"[..]) => Kind::Cse169Rig,
-        ("gltf" | "glb", _) => Kind::Gltf,
-        _ if bytes.starts_with(b"glTF") => Kind::Gltf,
-        ("skel" | "skin", _) if word.starts_with(b"<") => {
-            Kind::Unsupported("XML (DART keeps skeletons in it)")
+        if let "skel" | "skin" = opening.extension
+            && opening.words[0].starts_with(b"<")
+        {
+            return Recognised::NotRead("XML (DART keeps skeletons in it)");
         }
-        ("skel", _) if starts_a_number => Kind::MitSkel,
-        ("skel", _) => Kind::Cse169Skel,
-        ("skin", _) => Kind::Cse169Skin,
-        ("morph", _) => Kind::Cse169Morph,
-        ("anim", _) => Kind::Cse169Anim,
-        ("rig", _) => Kind::Cse169Rig,
-        ("obj", _) => Kind::Obj,
-        ("attach", _) => Kind::MitAttach,
-        _ => Kind::Other,
+        let mut found = Recognised::Other;
+        let mut strongest = None;
+        for &format in self.0 {
+            let by_extension = || {
+                let is_own = format.extensions.contains(&opening.extension);
+                is_own.then_some(Evidence::Extension)
+            };
+            let evidence = (format.sniff)(&opening).or_else(by_extension);
+            if let Some(evidence) = evidence.filter(|_| evidence > strongest) {
+                strongest = Some(evidence);
+                found = Recognised::As(format, evidence);
+            }
+        }
+        found
+    }
+
+    /// What is due where a file of no format was given, by families in the order of the table.
+    pub(super) fn expected(self) -> String {
+        let mut families: Vec<(&str, Vec<String>)> = Vec::new();
+        for format in self.0 {
+            let files = format.extensions.iter().map(|it| format!("`.{it}`"));
+            match families.iter_mut().find(|(name, _)| *name == format.family) {
+                Some((_, known)) => known.extend(files),
+                None => families.push((format.family, files.collect())),
+            }
+        }
+        let families = families.into_iter().map(|(name, files)| {
+            let files = alternatives(&files, " or ");
+            format!("{name} {files}").trim_start().to_owned()
+        });
+        let families: Vec<String> = families.collect();
+        format!("a rig file ({})", alternatives(&families, ", or "))
     }
 }
 
-/// What a file that no reader takes looks like.
+/// `a, b or c`, with `or` as the last separator.
+fn alternatives(all: &[String], or: &str) -> String {
+    match all {
+        [others @ .., last] if !others.is_empty() => format!("{}{or}{last}", others.join(", ")),
+        _ => all.concat(),
+    }
+}
+
+impl Recognised {
+    pub(super) fn format(self) -> Option<&'static Format> {
+        match self {
+            Self::As(format, _) => Some(format),
+            Self::NotRead(_) | Self::Other => None,
+        }
+    }
+
+    /// What a file is: `a CSE 169 skin`.
+    pub(super) fn described(self, bytes: &[u8]) -> String {
+        match self {
+            Self::As(format, _) => format.what.to_owned(),
+            Self::NotRead(what) => format!("{what}, which is not supported"),
+            Self::Other => describe_other(bytes),
+        }
+    }
+}
+
+/// What a file of no known format looks like.
 fn describe_other(bytes: &[u8]) -> String {
     let pictures: [(&[u8], &str); 4] = [
         (b"BM", "a BMP picture"),
@@ -119,28 +114,10 @@ fn describe_other(bytes: &[u8]) -> String {
     }
 }
 
-/// What follows the last slash, of either kind.
-pub(super) fn base_name(file: &str) -> &str {
-    file.rsplit(['/', '\\']).next().unwrap_or(file)
-}
-
-/// The base name up to its last dot.
-pub(super) fn stem(file: &str) -> &str {
-    let base = base_name(file);
-    match base.rsplit_once('.') {
-        Some((stem, _)) if !stem.is_empty() => stem,
-        _ => base,
-    }
-}
-
-fn extension(file: &str) -> String {
-    let base = base_name(file);
-    let extension = base.rsplit_once('.').map_or("", |(_, extension)| extension);
-    extension.to_ascii_lowercase()
-}
-
-/// Behind comments. Braces are words of their own; past the end come empty ones.
-fn first_words(bytes: &[u8]) -> [&[u8]; 3] {
+/// As in [`Opening::words`].
+fn first_words(bytes: &[u8]) -> [Vec<u8>; 3] {
+    /// Longer than any keyword. A file may be one word of many megabytes.
+    const MOST_BYTES: usize = 32;
     let bytes = without_bom(bytes);
     let mut at = 0;
     [(); 3].map(|()| {
@@ -151,7 +128,8 @@ fn first_words(bytes: &[u8]) -> [&[u8]; 3] {
                 Some(End::Missing) => bytes.len(),
                 None => {
                     at = word.end;
-                    return &bytes[word];
+                    let word = &bytes[word];
+                    return word[..word.len().min(MOST_BYTES)].to_ascii_lowercase();
                 }
             };
         }
@@ -170,76 +148,4 @@ fn word_from(bytes: &[u8], at: usize) -> Range<usize> {
         _ => word.iter().position(ends).unwrap_or(word.len()),
     };
     start..start + length
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn content_decides_and_the_extension_helps() {
-        for (file, bytes, wanted) in [
-            ("a.skel", &b"balljoint root {"[..], Kind::Cse169Skel),
-            ("a.txt", b"\xEF\xBB\xBF\r\n balljoint{", Kind::Cse169Skel),
-            ("a.skin", b"joint root {", Kind::Cse169Skel),
-            ("a.skel", b"positions 3 {", Kind::Cse169Skin),
-            ("A.SKIN", b"material {", Kind::Cse169Skin),
-            ("a", b"bindings 3", Kind::Cse169Skin),
-            ("a.morph", b"triangles 3", Kind::Cse169Skin),
-            ("a.MORPH", b"positions 3 {", Kind::Cse169Morph),
-            ("a.txt", b"animation{", Kind::Cse169Anim),
-            ("a.txt", b"rig wasp {", Kind::Cse169Rig),
-            ("a", b"rig{", Kind::Cse169Rig),
-            ("a.skel", b"0.5 0.75 0.5 -1", Kind::MitSkel),
-            ("a.skel", b"-.5 0 0 -1", Kind::MitSkel),
-            ("a.skel", b"# my model\n0 0 0 -1", Kind::MitSkel),
-            ("a.skel", b"/* joint */ // x\r;\r 1 2 3 -1", Kind::MitSkel),
-            ("a.txt", b"# wasp\njoint a {", Kind::Cse169Skel),
-            ("a.txt", b"BallJoint a {", Kind::Cse169Skel),
-            ("a.txt", b"Positions 3 {", Kind::Cse169Skin),
-            ("a.txt", b"rig//x\n", Kind::Other),
-            ("a.txt", b"rig // x\n a {", Kind::Cse169Rig),
-            ("a.txt", b"/* joint", Kind::Other),
-            ("a.obj", b"# positions\nv 1 2 3", Kind::Obj),
-            ("a.obj", b"v 1 2 3", Kind::Obj),
-            ("a.attach", b"0 1", Kind::MitAttach),
-            // Left to the readers, which say what is wrong and where.
-            ("a.skel", b"", Kind::Cse169Skel),
-            ("a.skel", b"\xFF\xFEb\0", Kind::Cse169Skel),
-            ("a.skin", b"version 1 positions", Kind::Cse169Skin),
-            ("a.morph", b"1 2 3", Kind::Cse169Morph),
-            ("a.anim", b"idle.pos", Kind::Cse169Anim),
-            ("a.rig", b"", Kind::Cse169Rig),
-            ("a.glb", b"glTF", Kind::Gltf),
-            ("a.GLTF", b"{", Kind::Gltf),
-            ("a", b"glTF", Kind::Gltf),
-            ("a.bmp", b"BM\0\0", Kind::Other),
-            ("readme.txt", b"rig files", Kind::Other),
-            ("readme.txt", b"animation of a wasp", Kind::Other),
-            ("skel", b"1 2 3", Kind::Other),
-        ] {
-            assert_eq!(recognise(file, bytes), wanted, "{file} {bytes:?}");
-        }
-    }
-
-    #[test]
-    fn other_rig_files_are_known_by_name() {
-        let bytes = b"<?xml version";
-        let found = recognise("a.skel", bytes).described(bytes);
-        let wanted = "XML (DART keeps skeletons in it), which is not supported";
-        assert_eq!(found, wanted);
-    }
-
-    #[test]
-    fn names_are_cut_at_slashes_and_dots() {
-        for (file, base, the_stem) in [
-            ("wasp/wasp.skel", "wasp.skel", "wasp"),
-            ("C:\\rigs\\a.b.skel", "a.b.skel", "a.b"),
-            (".skel", ".skel", ".skel"),
-            ("noext", "noext", "noext"),
-            ("dir/", "", ""),
-        ] {
-            assert_eq!((base_name(file), stem(file)), (base, the_stem));
-        }
-    }
 }

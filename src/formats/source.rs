@@ -163,15 +163,17 @@ impl From<LimitExceeded> for Denied {
 
 impl From<io::Error> for Denied {
     fn from(error: io::Error) -> Self {
-        use io::ErrorKind as Kind;
+        use io::ErrorKind;
         match error.kind() {
-            Kind::NotFound | Kind::NotADirectory => Self::NotFound,
+            ErrorKind::NotFound | ErrorKind::NotADirectory => Self::NotFound,
             // The sandbox raises this one itself, so no number of the system's comes with it.
-            Kind::PermissionDenied if error.raw_os_error().is_none() => {
+            ErrorKind::PermissionDenied if error.raw_os_error().is_none() => {
                 Self::NotAllowed("it leads out of the folder that files are read from")
             }
-            Kind::PermissionDenied => Self::NotAllowed("the system denies access to it"),
-            Kind::InvalidInput | Kind::InvalidFilename => Self::NotAllowed("it is not a path"),
+            ErrorKind::PermissionDenied => Self::NotAllowed("the system denies access to it"),
+            ErrorKind::InvalidInput | ErrorKind::InvalidFilename => {
+                Self::NotAllowed("it is not a path")
+            }
             _ => Self::Io(error),
         }
     }

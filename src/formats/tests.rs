@@ -1,8 +1,13 @@
 //! How files of several kinds become one rig: order, names, lists, and what goes with what.
 
-use super::{FORMATS, File, FileRef, LoadError, Loaded, Source, load};
+use super::assemble::assemble;
+use super::context::Context;
+use super::files::Files;
+use super::parts::Parts;
+use super::textures::Textures;
+use super::{FORMATS, File, FileRef, LoadError, Loaded, Source, load, readers};
 use crate::limits::Limits;
-use crate::rig::{Channel, Rig, RotationOrder};
+use crate::rig::{Channel, Draft, Rig, RotationOrder, Warnings};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -26,14 +31,32 @@ fn load_files(files: &[(&str, &str)]) -> Result<Loaded, LoadError> {
 }
 
 fn load_with(limits: &Limits, files: &[(&str, &str)]) -> Result<Loaded, LoadError> {
+    load(&inline(files), &Source::inline_only(), limits)
+}
+
+fn inline(files: &[(&str, &str)]) -> Vec<FileRef> {
     let inline = |&(name, text): &(&str, &str)| {
         FileRef::Inline(File {
             name: name.to_owned(),
             bytes: text.as_bytes().into(),
         })
     };
-    let files: Vec<_> = files.iter().map(inline).collect();
-    load(&files, &Source::inline_only(), limits)
+    files.iter().map(inline).collect()
+}
+
+/// The draft of files before a rig is built from it.
+fn drafted(files: &[(&str, &str)]) -> Draft {
+    let limits = Limits::default();
+    let source = Source::inline_only();
+    let mut context = Context {
+        limits: &limits,
+        files: Files::gather(&inline(files), readers::TABLE, &source, &limits)
+            .expect("all are sent"),
+        textures: Textures::new(&limits),
+        warnings: Warnings::default(),
+    };
+    let parts = Parts::gather(&mut context).expect("it is whole");
+    assemble(&parts, &mut context).expect("each is right")
 }
 
 fn refusal(files: &[(&str, &str)]) -> String {
@@ -182,6 +205,46 @@ fn a_morph_target_needs_exactly_one_skin_and_an_animation_a_skeleton() {
         .expect("there is one skin")
         .rig;
     assert_eq!((rig.meshes().len(), rig.morphs()[0].mesh), (2, 1));
+}
+
+#[test]
+fn an_animation_of_another_skeleton_moves_what_fits() {
+    let wave = |channels: usize| {
+        let channel = "channel { keys 1 { 0 5 flat flat } } ".repeat(channels);
+        format!("animation {{ range 0 1\nnumchannels {channels} {channel} }}")
+    };
+    // Three channels for the root's place, three for the angles of each joint.
+    for (channels, applied) in [(6, 6), (9, 9), (10, 9)] {
+        let files = [("a.skel", SKEL), ("w.anim", &*wave(channels))];
+        let rig = load_files(&files).expect("what fits is used").rig;
+        assert_eq!(rig.clips()[0].channels.len(), applied);
+        let told = format!(
+            "w.anim:2:13: there are {channels} channels, but `a.skel` takes 9; those that fit are used"
+        );
+        assert_eq!(rig.warnings(), vec![told; usize::from(channels != 9)]);
+    }
+}
+
+#[test]
+fn every_file_of_a_rig_is_named_by_what_it_contributed() {
+    let files = [
+        ("d/a.skel", SKEL),
+        ("a.skin", SKIN),
+        ("smile.morph", SMILE),
+        ("wave.anim", WAVE),
+    ];
+    let draft = drafted(&files);
+    assert_eq!(draft.file.as_deref(), Some("d/a.skel"));
+    assert_eq!(draft.meshes[0].file.as_deref(), Some("a.skin"));
+    assert_eq!(draft.bindings[1].file.as_deref(), Some("a.skin"));
+    assert_eq!(draft.morphs[0].file.as_deref(), Some("smile.morph"));
+    assert_eq!(draft.clips[0].file.as_deref(), Some("wave.anim"));
+    // Where the course's meshes are bound is said by the skeleton.
+    let files = [("a.attach", ATTACH), ("a.obj", OBJ), ("a.skel", MIT_SKEL)];
+    let draft = drafted(&files);
+    let file_of_binding = draft.bindings[0].file.as_ref().or(draft.file.as_ref());
+    assert_eq!(file_of_binding.map(|file| &**file), Some("a.skel"));
+    assert_eq!(draft.meshes[0].file.as_deref(), Some("a.obj"));
 }
 
 #[test]

@@ -2,8 +2,8 @@
 
 use super::error::quoted;
 use super::files::{Files, Gathered};
+use super::names::base_name;
 use super::pictures::{Alpha, BadPicture, Decoder};
-use super::recognise::{Kind, base_name};
 use crate::limits::Limits;
 use crate::rig::{Encoding, Texture, Warnings};
 use std::sync::Arc;
@@ -31,7 +31,7 @@ impl<'a> Textures<'a> {
         warnings: &mut Warnings,
     ) -> Option<Arc<Texture>> {
         let reason = match files.look_up(from, name) {
-            Ok(file) if file.kind != Kind::Other => "it is no picture".to_owned(),
+            Ok(file) if file.is_rig_file() => "it is no picture".to_owned(),
             Ok(file) => match self.decode(file) {
                 Ok(texture) => return Some(texture),
                 Err(bad) => bad.to_string(),

@@ -73,7 +73,7 @@ const EVERYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pick::random::Random;
+    use crate::random::Random;
 
     /// In units, of cylinders about 1 in size.
     const ROUNDING: f64 = 1e-9;
@@ -200,16 +200,16 @@ mod tests {
             let share = (point - from).dot(to - from) / (to - from).length_squared();
             (0.0..=1.0).contains(&share) && point.distance(from.lerp(to, share)) <= radius
         };
-        let mut random = Random::new(1);
+        let mut random = Random(1);
         let (mut met, mut from_inside) = (0, 0);
         for count in 0..2000 {
-            let (from, to) = (random.point(), random.point());
-            let radius = 0.05 + 0.4 * random.number();
+            let (from, to) = (DVec3::from(random.point()), DVec3::from(random.point()));
+            let radius = 0.05 + 0.4 * random.unit();
             let origin = match count % 4 {
-                0 => from.lerp(to, random.number()),
-                _ => random.point() * 2.0,
+                0 => from.lerp(to, random.unit()),
+                _ => DVec3::from(random.point()) * 2.0,
             };
-            let ray = ray(origin, random.point() * 0.7 - origin);
+            let ray = ray(origin, DVec3::from(random.point()) * 0.7 - origin);
             let starts_inside = is_inside(ray.origin, from, to, radius);
             let step = 0.002;
             let changes = (1..4000)

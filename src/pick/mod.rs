@@ -90,6 +90,4 @@ fn nearer(first: Hit, second: Hit) -> Hit {
 }
 
 #[cfg(test)]
-mod random;
-#[cfg(test)]
 mod tests;

@@ -242,18 +242,18 @@ fn heaviest_joint(rig: &Rig, mesh: &Mesh, met: &Met) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pick::random::Random;
+    use crate::random::Random;
 
     #[test]
     fn the_side_of_an_edge_is_exact() {
-        let mut random = Random::new(5);
+        let mut random = Random(5);
         let mut rounded_wrong = 0;
         for _ in 0..20_000 {
             // Whole numbers of up to 52 bits, `b` as nearly in line with `a` as whole numbers can be.
             let whole = |share: f64| (share * 4e15) as i64;
-            let [a_x, a_y] = [whole(random.number()), whole(random.number())];
+            let [a_x, a_y] = [whole(random.unit()), whole(random.unit())];
             let near = |number: i64, share: f64| (number as f64 * share) as i64;
-            let share = random.number();
+            let share = random.unit();
             let [b_x, b_y] = [near(a_x, share), near(a_y, share)];
             let exact = i128::from(a_x) * i128::from(b_y) - i128::from(a_y) * i128::from(b_x);
             let [a_x, a_y, b_x, b_y] = [a_x, a_y, b_x, b_y].map(|number| number as f64);
@@ -316,22 +316,22 @@ mod tests {
         let (positions, triangles) = ball(3);
         let corners: Vec<[f32; 3]> = positions.iter().map(Vec3::to_array).collect();
         let met = |ray: &Ray| RaySpace::new(ray).nearest(ray, &triangles, &corners, Side::Any);
-        let mut random = Random::new(2);
+        let mut random = Random(2);
         // Corners, edges cut at exact and inexact points, and the inside of triangles, as seen from without and from within.
         let mut aims = Vec::new();
         for corners in &triangles {
             let [a, b, c] = corners.map(|corner| positions[corner as usize].as_dvec3());
-            let share = random.number();
+            let share = random.unit();
             aims.extend([a, b, c, a.midpoint(b), b.lerp(c, share), (a + b + c) / 3.0]);
         }
         let inner = DVec3::new(0.11, -0.2, 0.07);
         let mut rays = 0;
         for &aim in &aims {
             for _ in 0..4 {
-                let from_within = ray(inner + random.point() * 0.3, aim - inner);
+                let from_within = ray(inner + DVec3::from(random.point()) * 0.3, aim - inner);
                 assert!(met(&from_within).is_some(), "out of it: {from_within:?}");
                 // Straight in: through the aimed at point, whatever side it is seen from, the surface is closed around the ray.
-                let origin = aim + (aim + random.point() * 0.3) * 3.0;
+                let origin = aim + (aim + DVec3::from(random.point()) * 0.3) * 3.0;
                 let from_without = ray(origin, aim * 0.999_999 - origin);
                 assert!(met(&from_without).is_some(), "into it: {from_without:?}");
                 rays += 2;

@@ -1,10 +1,10 @@
 //! What rays meet, from the room's own door. Never lives here: cameras, which have their own tests.
 
-use super::random::Random;
 use super::*;
 use crate::frame::Pooled;
 use crate::limits::Limits;
 use crate::pose::Pose;
+use crate::random::Random;
 use crate::rig::{BindPose, BindingDraft, Draft, JointDraft, MeshDraft, Rig};
 use glam::{DAffine3, DMat3, Vec3};
 use std::sync::Arc;
@@ -42,7 +42,8 @@ fn rig(meshes: Vec<MeshDraft>, bindings: &[Option<usize>]) -> Arc<Rig> {
     };
     let binding = |&joint: &Option<usize>| BindingDraft {
         joint,
-        stood: BindPose::BindFromJoint(DAffine3::IDENTITY),
+        file: None,
+        bind_pose: BindPose::BindFromJoint(DAffine3::IDENTITY),
     };
     let draft = Draft {
         joints: (0..3).map(joint).collect(),
@@ -102,19 +103,21 @@ fn of_skin(hit: Hit) -> (usize, usize, [f64; 3], DVec3, Option<usize>) {
 
 #[test]
 fn the_nearest_of_many_triangles_is_the_one_that_solving_for_each_finds() {
-    let mut random = Random::new(3);
-    let positions: Vec<Vec3> = (0..300).map(|_| random.point().as_vec3()).collect();
+    let mut random = Random(3);
+    let positions: Vec<Vec3> = (0..300)
+        .map(|_| DVec3::from(random.point()).as_vec3())
+        .collect();
     let triangles: Vec<[u32; 3]> = (0..100).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     let halves = [&triangles[..40], &triangles[40..]];
     let rig = rig(halves.map(|half| mesh(&positions, half)).into(), &[]);
     let meshes = vertices(&rig);
     let mut met = 0;
     for _ in 0..2000 {
-        let origin = random.point() * 3.0;
+        let origin = DVec3::from(random.point()) * 3.0;
         let window = Ray {
-            from: random.number() * 2.0,
-            to: 2.0 + random.number() * 3.0,
-            ..ray(origin, random.point() - origin)
+            from: random.unit() * 2.0,
+            to: 2.0 + random.unit() * 3.0,
+            ..ray(origin, DVec3::from(random.point()) - origin)
         };
         // origin + t·direction = a + v·(b - a) + w·(c - a), by the inverse of a matrix.
         let solved = triangles.iter().enumerate().filter_map(|(index, corners)| {
@@ -208,11 +211,11 @@ fn triangles_without_area_are_never_met() {
     let degenerate = [[0, 1, 2], [2, 0, 1], [0, 0, 0], [3, 3, 1], [3, 1, 1]];
     let rig = rig(vec![mesh(&positions, &degenerate)], &[]);
     let meshes = vertices(&rig);
-    let mut random = Random::new(4);
+    let mut random = Random(4);
     for _ in 0..3000 {
-        let share = 3.0 * random.number();
+        let share = 3.0 * random.unit();
         for aim in [line.as_dvec3() * share, DVec3::X, DVec3::ZERO] {
-            let origin = random.point() * 4.0;
+            let origin = DVec3::from(random.point()) * 4.0;
             let ray = ray(origin, aim - origin);
             assert_eq!(pick_skin(&ray, &rig, &meshes), None, "{ray:?}");
         }

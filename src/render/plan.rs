@@ -10,11 +10,12 @@
 //!    winding where the matrix mirrors. Drawing wants them so; what a query returns is turned back, by [`turn_outward`](super::turn_outward). What comes out
 //!    is in model space. An instance is drawn with `world_from_model` times a position, and `cofactor(world_from_model)`, without its scale, times
 //!    a normal, which is not made unit again before it is interpolated.
-//! 2. **Raster**: corners rounded to 1/256 pixel; standard 4-sample positions, or the pixel's center; a sample on an edge belongs to the
-//!    triangle whose top or left edge it is; depth is reversed, the nearest wins, of equal ones the first; what cannot be seen of closed
-//!    skin is culled, all else is two-sided.
-//! 3. **Shade**, per pixel and triangle, in world space and linear RGB, at the pixel's center, or at a place the triangle covers where it
-//!    does not cover all samples; `n` flipped toward the side that is seen:
+//! 2. **Raster**: corners rounded to 1/256 pixel; samples at the standard positions, (3, 1) (7, 3) (1, 5) (5, 7) in eighths of a pixel from its
+//!    upper left corner, or one at the pixel's center; a sample on an edge belongs to the triangle whose top or left edge it is; depth is
+//!    reversed, the nearest wins, of equal ones the first; what cannot be seen of closed skin is culled, all else is two-sided.
+//! 3. **Shade**, per pixel and triangle, in world space and linear RGB, at one place: the pixel's center where the triangle covers all samples,
+//!    else the first sample that it covers. Where other triangles hide some of them, the first that is seen will do as well. At the place an
+//!    attribute is that of the triangle's plane, in perspective. `n` is flipped toward the side that is seen:
 //!    `ambient · diffuse + Σ radiance · (diffuse · max(n·l, 0) + [n·l > 0] · specular · max(n·h, 0)^shininess) + emissive`, clamped to 0..1.
 //!    The radiance of a spot light is times `clamp((cos − cos outer) / (cos inner − cos outer), 0, 1)²`, `cos` being that of the angle between
 //!    its direction and the way to what it lights. A flat normal is the triangle's own. `diffuse` is the surface's, times the texture at the pixel's center where the mesh has one

@@ -154,7 +154,7 @@ impl<V: Value> Curve<V> {
             return self.within(time);
         };
         let length = last.time - first.time;
-        // Past this nothing is left of a time that it could be told by.
+        // Beyond this, a time inside the curve has no significant digits left.
         let cycles = ((time - first.time) / length)
             .floor()
             .clamp(-MOST_CYCLES, MOST_CYCLES);

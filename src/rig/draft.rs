@@ -6,10 +6,13 @@ use super::{
 };
 use crate::limits::LimitExceeded;
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
+use std::sync::Arc;
 
 /// A character as a reader found it: plain fields, nothing checked.
 #[derive(Debug, Default)]
 pub struct Draft {
+    /// The file of the joints, and of every part that names none of its own. Errors of [`Draft::build`] name it.
+    pub file: Option<Arc<str>>,
     /// In file order, parents before children.
     pub joints: Vec<JointDraft>,
     pub meshes: Vec<MeshDraft>,
@@ -59,18 +62,20 @@ impl Default for JointDraft {
     }
 }
 
-/// A joint as it stood when a mesh was bound to it.
-#[derive(Debug, Clone, Copy)]
+/// A joint and its bind pose.
+#[derive(Debug, Clone)]
 pub struct BindingDraft {
+    /// Where the bind pose is from, if not from [`Draft::file`].
+    pub file: Option<Arc<str>>,
     /// `None` binds to the world.
     pub joint: Option<usize>,
-    pub stood: BindPose,
+    pub bind_pose: BindPose,
 }
 
-/// How a joint stood when a mesh was bound to it, in the form that a file gives it in.
+/// The transform of a joint when a mesh was bound to it, in the form that a file gives it in.
 #[derive(Debug, Clone, Copy)]
 pub enum BindPose {
-    /// The joint's own transform; its inverse is taken when the rig is built.
+    /// The joint's transform; its inverse is taken when the rig is built.
     BindFromJoint(DAffine3),
     /// The inverse bind matrix. One that flattens is fine.
     JointFromBind(DAffine3),
@@ -78,6 +83,8 @@ pub enum BindPose {
 
 #[derive(Debug, Default)]
 pub struct MeshDraft {
+    /// If it is not [`Draft::file`].
+    pub file: Option<Arc<str>>,
     /// Empty where the file gives none.
     pub name: String,
     pub positions: Vec<Vec3>,
@@ -126,6 +133,8 @@ pub struct PartDraft {
 /// A sparse morph target of one mesh.
 #[derive(Debug, Default)]
 pub struct MorphDraft {
+    /// If it is not [`Draft::file`].
+    pub file: Option<Arc<str>>,
     /// Empty where the file gives none.
     pub name: String,
     /// Index into [`Draft::meshes`].
@@ -149,9 +158,11 @@ pub enum MorphForm {
     Displacements,
 }
 
-/// An animation: curves that set DOFs.
+/// An animation: curves that set DOFs. It needs no skeleton before the rig is built.
 #[derive(Debug, Default)]
 pub struct ClipDraft {
+    /// If it is not [`Draft::file`].
+    pub file: Option<Arc<str>>,
     /// Empty where the file gives none.
     pub name: String,
     /// From when to when it is meant to be played, in seconds.
@@ -161,10 +172,21 @@ pub struct ClipDraft {
 
 #[derive(Debug)]
 pub enum ChannelDraft {
-    /// `target` is one that the rig has.
-    Dof { target: DofKind, curve: Curve<f64> },
+    Dof {
+        target: ChannelTarget,
+        curve: Curve<f64>,
+    },
     /// The whole rotation of a joint.
     Rotation { joint: usize, curve: Curve<DQuat> },
+}
+
+/// The DOF that a channel sets.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ChannelTarget {
+    /// One that the rig has.
+    Dof(DofKind),
+    /// By [`Dof::name`](super::Dof::name). A channel whose name no DOF of the rig has is left out with a warning.
+    Named(String),
 }
 
 impl ChannelDraft {
@@ -178,17 +200,22 @@ impl ChannelDraft {
 
 /// Why a draft is not a rig.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum RigError {
+#[error("{problem}")]
+pub struct RigError {
+    /// The file of the part at fault; `None` where the draft names none.
+    pub file: Option<Arc<str>>,
+    pub problem: RigProblem,
+}
+
+/// What is wrong with a draft.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RigProblem {
     #[error("the rig has neither joints nor meshes")]
     Empty,
     #[error("joint {joint} names parent {parent}, but parents stand before their children")]
     ParentNotBefore { joint: usize, parent: usize },
     #[error("{what} is not a finite number below {LARGEST_COORDINATE:e}")]
-    NotFinite {
-        what: String,
-        /// Of which mesh it is, or which mesh is bound by it; `None` for one of the skeleton.
-        mesh: Option<usize>,
-    },
+    NotFinite { what: String },
     #[error(
         "joint {joint} has a limit from {min} to {max}: the smallest value is above the largest"
     )]
@@ -202,11 +229,10 @@ pub enum RigError {
         what: &'static str,
         found: usize,
     },
-    #[error("{what} {index} of mesh {mesh} names {target} {found}, but there are {count}")]
+    #[error("{what} names {target} {found}, but there are {count}")]
     OutOfRange {
-        mesh: usize,
-        what: &'static str,
-        index: usize,
+        /// `triangle 3 of mesh 1`.
+        what: String,
         target: &'static str,
         found: usize,
         count: usize,
@@ -219,4 +245,27 @@ pub enum RigError {
     VertexTwice { morph: usize, vertex: u32 },
     #[error(transparent)]
     Limit(#[from] LimitExceeded),
+}
+
+impl RigProblem {
+    /// Names the file of the part that has the problem.
+    pub(super) fn of(self, file: Option<&Arc<str>>) -> RigError {
+        RigError {
+            file: file.cloned(),
+            problem: self,
+        }
+    }
+}
+
+impl From<RigProblem> for RigError {
+    /// A problem of a part that names no file of its own.
+    fn from(problem: RigProblem) -> Self {
+        problem.of(None)
+    }
+}
+
+impl From<LimitExceeded> for RigError {
+    fn from(exceeded: LimitExceeded) -> Self {
+        RigProblem::from(exceeded).into()
+    }
 }

@@ -5,7 +5,7 @@ use glam::{DAffine3, Vec2, Vec3, Vec4};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// What a vertex can be bound to: a joint as it stood when the mesh was bound, or the world itself.
+/// What a vertex can be bound to: a joint in its bind pose, or the world itself.
 #[derive(Debug, Clone, Copy)]
 pub struct Binding {
     /// `None` leaves what is bound to it where it was modelled.

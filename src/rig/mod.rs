@@ -18,8 +18,8 @@ mod warnings;
 pub use clip::{Channel, Clip, Curve, Extrapolation, Interpolation, Key, slerp};
 pub use dof::{Dof, DofKind, Dofs, MORPH_PREFIX};
 pub use draft::{
-    BindPose, BindingDraft, ChannelDraft, ClipDraft, Draft, JointDraft, MeshDraft, MorphDraft,
-    MorphForm, PartDraft, PartInVariant, RigError,
+    BindPose, BindingDraft, ChannelDraft, ChannelTarget, ClipDraft, Draft, JointDraft, MeshDraft,
+    MorphDraft, MorphForm, PartDraft, PartInVariant, RigError, RigProblem,
 };
 pub use light::{FileLight, FileLightKind};
 pub use material::{Highlight, Material, NormalMap, Opacity, TexturePlace, TextureTransform, Wrap};
@@ -49,7 +49,7 @@ impl RigId {
 }
 
 /// A character that passed [`Draft::build`]: parents stand before their children, every index is in range, every number is finite,
-/// names are unique, weights of a vertex sum to 1. Later rooms rely on it and check nothing again.
+/// names are unique, weights of a vertex sum to 1. What uses a rig relies on it and checks nothing again.
 #[derive(Debug)]
 pub struct Rig {
     id: RigId,
@@ -106,7 +106,7 @@ impl Rig {
         &self.lights
     }
 
-    /// Of all materials; one that several wear comes as often.
+    /// Of all materials; one that several use comes as often.
     pub fn textures(&self) -> impl Iterator<Item = &Arc<Texture>> {
         let places = self.materials.iter().flat_map(Material::textures);
         places.map(|place| &place.texture)
@@ -143,7 +143,7 @@ impl Rig {
     pub fn memory_bytes(&self) -> u64 {
         // A joint with its name, three DOFs and their names in the map comes to about a kibibyte.
         let skeleton = self.skeleton.joints().len() * 1024;
-        // One that several materials wear counts once.
+        // One that several materials use counts once.
         let mut textures: Vec<_> = self.textures().collect();
         textures.sort_unstable_by_key(|texture| Arc::as_ptr(texture));
         textures.dedup_by_key(|texture| Arc::as_ptr(texture));

@@ -1,4 +1,4 @@
-//! Pictures that meshes wear, with their mipmaps: made once at load, so that every renderer samples the same texels.
+//! Pictures of materials, with their mipmaps: made once at load, so that every renderer samples the same texels.
 //! Never lives here: decoding a file.
 
 use std::sync::LazyLock;

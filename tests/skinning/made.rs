@@ -1,7 +1,8 @@
 //! Rigs of the tests' own making, each with what real files rarely have. Never lives here: what is asked of them.
 
+use crate::support::oracle;
 use crate::support::oracle::matrix::{Vector, length, scaled};
-use crate::support::oracle::{self, Random};
+use crate::support::random::Random;
 use std::fmt::Write;
 
 /// Files by name and text, together a rig.

@@ -9,7 +9,8 @@ use crate::support::oracle::dual_quaternion::rotation_of;
 use crate::support::oracle::matrix::{
     Vector, affine, along, cross, difference, inverse, linear_part, origin, scaled, transposed,
 };
-use crate::support::oracle::{AngleOrder, Pose, Random, Rig, Signs, Skinned, Skinning};
+use crate::support::oracle::{AngleOrder, Pose, Rig, Signs, Skinned, Skinning};
+use crate::support::random::Random;
 
 #[test]
 fn a_joint_turned_a_thousandth_too_far_is_noticed() {

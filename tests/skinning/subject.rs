@@ -2,8 +2,9 @@
 
 use crate::made::Made;
 use crate::support::oracle::compare::{Found, Worst, compare};
-use crate::support::oracle::{self, Pose, Random, Signs, Skinning};
+use crate::support::oracle::{self, Pose, Signs, Skinning};
 use crate::support::pictures::{ask_attached, attached_bytes};
+use crate::support::random::Random;
 use crate::support::{self, ask_ok, real_rigs};
 use rigd::engine::Base;
 use rigd::pose::{LimitPolicy, PoseEdit, Posed};

@@ -161,10 +161,18 @@ pub fn with_base64(name: &str, bytes: &[u8]) -> Value {
     json!({"name": name, "base64": rigd::protocol::attach::Base64(bytes.to_vec())})
 }
 
+/// Where a file or folder of `tests/cases` is.
+pub fn case_path(path: &str) -> PathBuf {
+    places::repository("tests/cases").join(path)
+}
+
+pub fn case_bytes(path: &str) -> Vec<u8> {
+    std::fs::read(case_path(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
 /// A file of `tests/cases`, e.g. `gltf/lights_required.gltf`, as a request carries it.
 pub fn case(path: &str) -> Value {
-    let folder = places::repository("tests/cases");
-    let bytes = std::fs::read(folder.join(path)).unwrap_or_else(|error| panic!("{path}: {error}"));
+    let bytes = case_bytes(path);
     let name = path.rsplit('/').next().expect("a name");
     with_base64(name, &bytes)
 }

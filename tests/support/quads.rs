@@ -118,7 +118,8 @@ pub fn scaled(quads: &[Quad], scale: DVec3) -> Draft {
     }];
     draft.bindings = vec![BindingDraft {
         joint: Some(0),
-        stood: BindPose::JointFromBind(DAffine3::IDENTITY),
+        file: None,
+        bind_pose: BindPose::JointFromBind(DAffine3::IDENTITY),
     }];
     for mesh in &mut draft.meshes {
         mesh.influence_counts = vec![1; 4];

@@ -15,38 +15,31 @@
 //! that of the line between those two. At the first and the last key, `linear` and `smooth` are the one line there is; at a
 //! single key they are 0.
 
+use super::common::{second, warn_of_rest};
 use super::keywords::{Keywords, PassedOver};
 use super::sections::{Brace, Section};
-use super::{second, warn_of_rest};
+use crate::formats::contribution::LooseClip;
 use crate::formats::error::{FileFault, LoadError};
-use crate::formats::lexer::{Lexer, Token, parse_number};
+use crate::formats::text::lexer::{Lexer, Token, parse_number};
 use crate::limits::Limits;
 use crate::rig::{
-    Axis, ChannelDraft, ClipDraft, Curve, DofKind, Extrapolation, Interpolation, JointDraft, Key,
-    LARGEST_COORDINATE, Warnings,
+    Axis, ChannelDraft, ChannelTarget, ClipDraft, Curve, DofKind, Extrapolation, Interpolation,
+    Key, LARGEST_COORDINATE, Warnings,
 };
 
 const START: Keywords = Keywords(&["animation"]);
 const ITEM: Keywords = Keywords(&["range", "numchannels", "channel"]);
 const IN_CHANNEL: Keywords = Keywords(&["extrapolate", "keys"]);
 
-/// The skeleton that an animation moves.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::formats) struct Moves<'a> {
-    pub file: &'a str,
-    pub joints: &'a [JointDraft],
-}
-
-/// The clip has no name yet. Where it has more or fewer channels than the skeleton takes, those that fit are read, with a warning.
+/// The clip has no name yet.
 ///
 /// # Errors
 /// [`LoadError::Invalid`] at the word that does not fit, [`LoadError::Limit`] where more keys are announced than a rig may have.
-pub(in crate::formats) fn read(
+pub(super) fn read(
     lexer: Lexer,
-    moves: Moves,
     limits: &Limits,
     warnings: &mut Warnings,
-) -> Result<ClipDraft, LoadError> {
+) -> Result<LooseClip, LoadError> {
     let mut reader = Reader {
         lexer,
         limits,
@@ -61,7 +54,7 @@ pub(in crate::formats) fn read(
     let start = reader.read_start()?;
     reader.read_items(start)?;
     warn_of_rest(&reader.lexer, "the `animation`", reader.warnings);
-    Ok(reader.into_clip(moves))
+    Ok(reader.into_clip())
 }
 
 struct Reader<'a, 'w> {
@@ -133,8 +126,8 @@ impl<'a> Reader<'a, '_> {
     fn read_channel(&mut self, keyword: Token<'a>) -> Result<(), LoadError> {
         let Some((announced, _)) = self.announced else {
             let expected = "`numchannels` before the first `channel`";
-            let told_at = self.passed_over.of("numchannels").unwrap_or(keyword);
-            return Err(self.lexer.fault(told_at, expected).into());
+            let reported_at = self.passed_over.of("numchannels").unwrap_or(keyword);
+            return Err(self.lexer.fault(reported_at, expected).into());
         };
         let number = self.curves.len() as u64;
         if number == announced {
@@ -158,8 +151,8 @@ impl<'a> Reader<'a, '_> {
                 "}" if keys.is_some() => break,
                 "}" => {
                     let expected = format!("`keys` in channel {number}");
-                    let told_at = passed_over.of("keys").unwrap_or(word);
-                    return Err(self.lexer.fault(told_at, expected).into());
+                    let reported_at = passed_over.of("keys").unwrap_or(word);
+                    return Err(self.lexer.fault(reported_at, expected).into());
                 }
                 "" => {
                     let (line, column) = self.lexer.line_column(keyword);
@@ -217,9 +210,9 @@ impl<'a> Reader<'a, '_> {
 
     fn read_keys(&mut self, keyword: Token<'a>) -> Result<Vec<Key<f64>>, LoadError> {
         let (so_far, limits) = (self.key_count, self.limits);
-        let hold = |count: u64| limits.keys(count.saturating_add(so_far));
+        let check_limit = |count: u64| limits.keys(count.saturating_add(so_far));
         let lexer = &mut self.lexer;
-        let section = Section::open(lexer, keyword, ("key", "keys"), Brace::Needed, hold)?;
+        let section = Section::open(lexer, keyword, ("key", "keys"), Brace::Needed, check_limit)?;
         let mut last_time = f64::NEG_INFINITY;
         let drawn = section.read_rows(lexer, 8, |lexer, row| {
             let place = || section.in_row(row);
@@ -230,7 +223,7 @@ impl<'a> Reader<'a, '_> {
                 return Err(lexer.fault(lexer.from(start).next(), expected).into());
             }
             last_time = time;
-            Ok(DrawnKey {
+            Ok(FileKey {
                 time,
                 value: lexer.number(place)?,
                 tangents: [read_tangent(lexer, place)?, read_tangent(lexer, place)?],
@@ -254,8 +247,8 @@ impl<'a> Reader<'a, '_> {
     /// Holds the number of channels against what was announced. `end` is the brace, or the end of the file.
     fn check_end(&self, end: Token<'a>) -> Result<(), FileFault> {
         let Some((announced, _)) = self.announced else {
-            let told_at = self.passed_over.of("numchannels").unwrap_or(end);
-            return Err(self.lexer.fault(told_at, "`numchannels`"));
+            let reported_at = self.passed_over.of("numchannels").unwrap_or(end);
+            return Err(self.lexer.fault(reported_at, "`numchannels`"));
         };
         let channels = self.curves.len();
         let noun = if announced == 1 {
@@ -278,45 +271,42 @@ impl<'a> Reader<'a, '_> {
         match self.range {
             Some(_) => Ok(()),
             None => {
-                let told_at = self.passed_over.of("range").unwrap_or(end);
-                Err(self.lexer.fault(told_at, "`range`"))
+                let reported_at = self.passed_over.of("range").unwrap_or(end);
+                Err(self.lexer.fault(reported_at, "`range`"))
             }
         }
     }
 
-    fn into_clip(self, moves: Moves) -> ClipDraft {
-        let (found, wanted) = (self.curves.len(), targets(moves.joints).count());
-        if let Some((_, token)) = self.announced.filter(|_| found != wanted) {
-            self.warnings.push(|| {
-                let (place, skeleton) = (self.lexer.place(token), moves.file);
-                format!(
-                    "{place}: there are {found} channels, but `{skeleton}` takes {wanted}; those that fit are used"
-                )
-            });
-        }
-        let channels = self.curves.into_iter().zip(targets(moves.joints));
-        ClipDraft {
-            name: String::new(),
-            range: self.range.unwrap_or_default(),
-            channels: channels
-                .map(|(curve, target)| ChannelDraft::Dof { target, curve })
-                .collect(),
+    fn into_clip(self) -> LooseClip {
+        let place = self.announced.map(|(_, token)| self.lexer.place(token));
+        let channels = self.curves.into_iter().enumerate();
+        LooseClip {
+            clip: ClipDraft {
+                range: self.range.unwrap_or_default(),
+                channels: channels
+                    .map(|(number, curve)| ChannelDraft::Dof {
+                        target: ChannelTarget::Dof(target(number)),
+                        curve,
+                    })
+                    .collect(),
+                ..ClipDraft::default()
+            },
+            channels_counted_at: place,
         }
     }
 }
 
-/// What each channel sets.
-fn targets(joints: &[JointDraft]) -> impl Iterator<Item = DofKind> {
-    let displaced = joints.iter().take(1).filter(|root| root.translates);
-    let displacements =
-        displaced.flat_map(|_| Axis::ALL.map(|axis| DofKind::Translation { joint: 0, axis }));
-    let angles =
-        (0..joints.len()).flat_map(|joint| Axis::ALL.map(|axis| DofKind::Rotation { joint, axis }));
-    displacements.chain(angles)
+/// What the channel of a number sets.
+fn target(number: usize) -> DofKind {
+    let axis = Axis::ALL[number % 3];
+    match (number / 3).checked_sub(1) {
+        None => DofKind::Translation { joint: 0, axis },
+        Some(joint) => DofKind::Rotation { joint, axis },
+    }
 }
 
 /// A key as it is written.
-struct DrawnKey {
+struct FileKey {
     time: f64,
     value: f64,
     /// In and out.
@@ -350,13 +340,13 @@ fn read_tangent(lexer: &mut Lexer, place: impl Fn() -> String) -> Result<Tangent
     Ok(tangent)
 }
 
-fn resolved(keys: &[DrawnKey], index: usize) -> Key<f64> {
+fn resolved(keys: &[FileKey], index: usize) -> Key<f64> {
     let key = &keys[index];
     let before = index.checked_sub(1).map_or(key, |before| &keys[before]);
     let behind = keys.get(index + 1).unwrap_or(key);
     let smooth = line(before, behind);
     // At an end one of the two keys around this one is itself, so that `smooth` is the slope of the one line there is.
-    let linear = |[from, to]: [&DrawnKey; 2]| {
+    let linear = |[from, to]: [&FileKey; 2]| {
         if from.time < to.time {
             line(from, to)
         } else {
@@ -378,7 +368,7 @@ fn resolved(keys: &[DrawnKey], index: usize) -> Key<f64> {
 }
 
 /// The slope of the line from one key to another; 0 from a key to itself.
-fn line(from: &DrawnKey, to: &DrawnKey) -> f64 {
+fn line(from: &FileKey, to: &FileKey) -> f64 {
     if from.time < to.time {
         (to.value - from.value) / (to.time - from.time)
     } else {

@@ -2,7 +2,7 @@
 //! Never lives here: what a keyword means, and names.
 
 use crate::formats::error::FileFault;
-use crate::formats::lexer::{Lexer, Token};
+use crate::formats::text::lexer::{Lexer, Token};
 use crate::rig::Warnings;
 use crate::spelling::nearest;
 

@@ -10,63 +10,28 @@
 //! request says. There is one official file of this kind, without morph targets; that an entry of `morphs` is a file's name is taken
 //! from the two other entries.
 
+use super::common::{name_and_brace, second, warn_of_rest};
+use super::formats::{MORPH, SKEL, SKIN};
 use super::keywords::Keywords;
 use super::sections::{Brace, Section};
-use super::{name_and_brace, second, warn_of_rest};
-use crate::formats::error::{FileFault, LoadError, quoted};
-use crate::formats::lexer::{Lexer, Token};
+use crate::formats::contribution::ListEntry;
+use crate::formats::error::{FileFault, LoadError};
+use crate::formats::format::Format;
+use crate::formats::text::lexer::{Lexer, Token};
 use crate::limits::Limits;
 use crate::rig::Warnings;
 
 const ITEM: Keywords = Keywords(&["skeleton", "skin", "morphs"]);
 
-/// A file that the list names.
-#[derive(Debug, PartialEq)]
-pub(in crate::formats) struct Entry {
-    pub role: Role,
-    pub file: String,
-    line: usize,
-    column: usize,
-}
-
-/// What a file is meant to be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::formats) enum Role {
-    Skeleton,
-    Skin,
-    Morph,
-}
-
-impl Entry {
-    /// What is due at the entry: `what`, in the file that it names.
-    pub(in crate::formats) fn expected(&self, what: &str) -> String {
-        format!("{} to be {what}", quoted(&self.file))
-    }
-
-    /// A fault at the entry's place in the list called `list`.
-    pub(in crate::formats) fn fault(
-        &self,
-        list: &str,
-        expected: impl Into<String>,
-        found: impl Into<String>,
-    ) -> FileFault {
-        FileFault {
-            line: self.line,
-            column: self.column,
-            ..FileFault::whole(list, expected, found)
-        }
-    }
-}
-
 /// Entries in file order.
 ///
 /// # Errors
 /// [`LoadError::Invalid`] at the word that does not fit, [`LoadError::Limit`] where more morph targets are announced than a rig may have.
-pub(in crate::formats) fn read(
+pub(super) fn read(
     lexer: Lexer,
     limits: &Limits,
     warnings: &mut Warnings,
-) -> Result<Vec<Entry>, LoadError> {
+) -> Result<Vec<ListEntry>, LoadError> {
     let mut reader = Reader {
         lexer,
         limits,
@@ -80,7 +45,7 @@ pub(in crate::formats) fn read(
 struct Reader<'a, 'w> {
     lexer: Lexer<'a>,
     limits: &'w Limits,
-    entries: Vec<Entry>,
+    entries: Vec<ListEntry>,
     /// Keywords met so far; each of the three is there at most once.
     seen: Vec<&'a str>,
 }
@@ -96,13 +61,13 @@ impl<'a> Reader<'a, '_> {
         loop {
             let word = ITEM.next(&mut self.lexer, warnings);
             match word.text {
-                "skeleton" => self.read_entry(word, Role::Skeleton)?,
-                "skin" => self.read_entry(word, Role::Skin)?,
+                "skeleton" => self.read_entry(word, &SKEL)?,
+                "skin" => self.read_entry(word, &SKIN)?,
                 "morphs" => self.read_morphs(word)?,
                 "}" if self.entries.is_empty() => {
                     let expected = "`skeleton`, `skin` or `morphs` with a file's name";
-                    let told_at = first_unknown.unwrap_or(word);
-                    return Err(self.lexer.fault(told_at, expected).into());
+                    let reported_at = first_unknown.unwrap_or(word);
+                    return Err(self.lexer.fault(reported_at, expected).into());
                 }
                 "}" => break,
                 "" => return Err(self.lexer.fault(word, "`}` to end the `rig`").into()),
@@ -124,10 +89,10 @@ impl<'a> Reader<'a, '_> {
         Ok(())
     }
 
-    fn read_entry(&mut self, keyword: Token<'a>, role: Role) -> Result<(), FileFault> {
+    fn read_entry(&mut self, keyword: Token<'a>, format: &'static Format) -> Result<(), FileFault> {
         self.once(keyword)?;
         let place = || format!("after `{}`", keyword.text);
-        let entry = read_file_name(&mut self.lexer, role, place)?;
+        let entry = read_file_name(&mut self.lexer, format, place)?;
         self.entries.push(entry);
         Ok(())
     }
@@ -135,15 +100,15 @@ impl<'a> Reader<'a, '_> {
     fn read_morphs(&mut self, keyword: Token<'a>) -> Result<(), LoadError> {
         self.once(keyword)?;
         let (nouns, limits) = (("morph target", "morph targets"), self.limits);
-        let hold = |count| limits.morph_targets(count);
-        let section = Section::open(&mut self.lexer, keyword, nouns, Brace::Needed, hold)?;
+        let check_limit = |count| limits.morph_targets(count);
+        let section = Section::open(&mut self.lexer, keyword, nouns, Brace::Needed, check_limit)?;
         let entries = section.read_rows(&mut self.lexer, 2, |lexer, row| {
             // The word is free to stand there, but a file may also be called that.
             let mut ahead = lexer.clone();
             if ahead.take("morph") && ahead.peek().text != "}" {
                 *lexer = ahead;
             }
-            Ok(read_file_name(lexer, Role::Morph, || section.in_row(row))?)
+            Ok(read_file_name(lexer, &MORPH, || section.in_row(row))?)
         })?;
         self.entries.extend(entries);
         Ok(())
@@ -152,16 +117,16 @@ impl<'a> Reader<'a, '_> {
 
 fn read_file_name(
     lexer: &mut Lexer,
-    role: Role,
+    format: &'static Format,
     place: impl Fn() -> String,
-) -> Result<Entry, FileFault> {
+) -> Result<ListEntry, FileFault> {
     let token = lexer.next_name();
     if matches!(token.text, "" | "{" | "}") {
         return Err(lexer.fault(token, format!("a file name {}", place())));
     }
     let (line, column) = lexer.line_column(token);
-    Ok(Entry {
-        role,
+    Ok(ListEntry {
+        format,
         file: token.text.to_owned(),
         line,
         column,

@@ -1,48 +1,93 @@
 //! The file family of the UCSD course CSE 169: one reader per extension, the grammar in its module doc.
 //! Never lives here: other dialects that use the same extensions.
 
-pub(super) mod anim;
+mod anim;
+mod common;
+mod formats;
 mod keywords;
-pub(super) mod list;
-pub(super) mod morph;
+mod list;
+mod morph;
 mod sections;
-pub(super) mod skel;
-pub(super) mod skin;
+mod skel;
+mod skin;
 
-use super::error::FileFault;
-use super::lexer::{Lexer, Token};
-use crate::rig::Warnings;
+use super::context::Context;
+use super::contribution::{KnownMesh, KnownSkeleton, ListEntry, LooseClip, MeshPart};
+use super::error::LoadError;
+use super::files::Gathered;
+use super::reader::{Contribution, MeshReader, MorphReader, Reader};
+use super::text::lexer::Lexer;
+use crate::rig::{JointDraft, MorphDraft};
 
-/// A name of `what`, up to an opening brace, which is taken too. Exporters leave names empty, so `{` may come at once.
-fn name_and_brace<'a>(lexer: &mut Lexer<'a>, what: Token) -> Result<&'a str, FileFault> {
-    /// A name stands in each DOF's name again and in replies; the longest real one has 30 bytes.
-    const NAME_BYTES: usize = 256;
-    if lexer.take("{") {
-        return Ok("");
-    }
-    let name = lexer.next_name();
-    if name.is_end() || name.text == "}" {
-        return Err(lexer.fault(name, format!("a name or `{{` after `{}`", what.text)));
-    }
-    if name.text.len() > NAME_BYTES {
-        let expected = format!("a name of at most {NAME_BYTES} bytes after `{}`", what.text);
-        let found = format!("one of {} bytes", name.text.len());
-        return Err(lexer.fault_found(name, expected, found));
-    }
-    lexer.expect("{", || format!("after `{} {}`", what.text, name.text))?;
-    Ok(name.text)
+pub(super) static SKEL: Reader = Reader {
+    format: &formats::SKEL,
+    contribution: Contribution::Skeleton(read_skel),
+};
+
+pub(super) static SKIN: Reader = Reader {
+    format: &formats::SKIN,
+    contribution: Contribution::Mesh(MeshReader::Bound(read_skin)),
+};
+
+pub(super) static MORPH: Reader = Reader {
+    format: &formats::MORPH,
+    contribution: Contribution::Morph(MorphReader {
+        mesh: &formats::SKIN,
+        read: read_morph,
+    }),
+};
+
+pub(super) static ANIM: Reader = Reader {
+    format: &formats::ANIM,
+    contribution: Contribution::Clip(read_anim),
+};
+
+pub(super) static RIG: Reader = Reader {
+    format: &formats::RIG,
+    contribution: Contribution::List(read_list),
+};
+
+fn read_skel(file: &Gathered, context: &mut Context) -> Result<Vec<JointDraft>, LoadError> {
+    let warnings = &mut context.warnings;
+    let text = file.uncommented(warnings)?;
+    skel::read(Lexer::new(&file.name, &text), context.limits, warnings)
 }
 
-/// The fault of a keyword that stands a second time where it may stand once.
-fn second(lexer: &Lexer, keyword: Token) -> FileFault {
-    let expected = format!("`{}` once", keyword.text);
-    lexer.fault_found(keyword, expected, "a second one")
+fn read_skin(
+    file: &Gathered,
+    context: &mut Context,
+    skeleton: Option<KnownSkeleton>,
+) -> Result<MeshPart, LoadError> {
+    let warnings = &mut context.warnings;
+    let text = file.uncommented(warnings)?;
+    let lexer = Lexer::new(&file.name, &text);
+    let skin = skin::read(lexer, skeleton, context.limits, warnings)?;
+    Ok(skin.into_part(skeleton.is_some(), |texture| {
+        let mention = (&*texture.name, &*texture.place);
+        let textures = &mut context.textures;
+        textures.look_up(&mut context.files, file, mention, &mut context.warnings)
+    }))
 }
 
-/// A warning where the file goes on after all that it is read for.
-fn warn_of_rest(lexer: &Lexer, after: &str, warnings: &mut Warnings) {
-    let word = lexer.peek();
-    if !word.is_end() {
-        warnings.push(|| format!("{}: what follows {after} is not used", lexer.place(word)));
-    }
+fn read_morph(
+    file: &Gathered,
+    context: &mut Context,
+    mesh: KnownMesh,
+) -> Result<MorphDraft, LoadError> {
+    let warnings = &mut context.warnings;
+    let text = file.uncommented(warnings)?;
+    let lexer = Lexer::new(&file.name, &text);
+    morph::read(lexer, mesh, context.limits, warnings)
+}
+
+fn read_anim(file: &Gathered, context: &mut Context) -> Result<LooseClip, LoadError> {
+    let warnings = &mut context.warnings;
+    let text = file.uncommented(warnings)?;
+    anim::read(Lexer::new(&file.name, &text), context.limits, warnings)
+}
+
+fn read_list(file: &Gathered, context: &mut Context) -> Result<Vec<ListEntry>, LoadError> {
+    let warnings = &mut context.warnings;
+    let text = file.uncommented(warnings)?;
+    list::read(Lexer::new(&file.name, &text), context.limits, warnings)
 }

@@ -9,40 +9,31 @@
 //! Vertices are counted from 0 and listed at most once in a section, in any order; the two sections may list different ones. Values
 //! are not differences: they are where the vertex is, and its normal, at weight 1. A vertex that is not listed stays.
 
+use super::common::second;
 use super::keywords::{Keywords, PassedOver};
-use super::second;
 use super::sections::{Brace, Section};
+use crate::formats::contribution::KnownMesh;
 use crate::formats::error::LoadError;
-use crate::formats::lexer::{Lexer, Token};
+use crate::formats::text::lexer::{Lexer, Token};
 use crate::limits::Limits;
 use crate::rig::{MorphDraft, Warnings};
 use glam::{DVec3, Vec3};
 
 const SECTION: Keywords = Keywords(&["positions", "normals"]);
 
-/// The mesh that a morph target changes.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::formats) struct Changes<'a> {
-    /// The skin's file.
-    pub file: &'a str,
-    /// Its index in the draft.
-    pub mesh: usize,
-    pub vertex_count: usize,
-}
-
-/// The target has no name yet.
+/// The target has no name and no mesh yet.
 ///
 /// # Errors
 /// [`LoadError::Invalid`] at the word that does not fit, [`LoadError::Limit`] where more vertices are announced than targets may move.
-pub(in crate::formats) fn read(
+pub(super) fn read(
     lexer: Lexer,
-    changes: Changes,
+    mesh: KnownMesh,
     limits: &Limits,
     warnings: &mut Warnings,
 ) -> Result<MorphDraft, LoadError> {
     let mut reader = Reader {
         lexer,
-        changes,
+        mesh,
         limits,
         warnings,
         positions: None,
@@ -50,7 +41,6 @@ pub(in crate::formats) fn read(
     };
     reader.read_sections()?;
     Ok(MorphDraft {
-        mesh: changes.mesh,
         positions: reader.positions.unwrap_or_default(),
         normals: reader.normals.unwrap_or_default(),
         ..MorphDraft::default()
@@ -59,7 +49,7 @@ pub(in crate::formats) fn read(
 
 struct Reader<'a, 'w> {
     lexer: Lexer<'a>,
-    changes: Changes<'w>,
+    mesh: KnownMesh<'w>,
     limits: &'w Limits,
     warnings: &'w mut Warnings,
     positions: Option<Vec<(u32, Vec3)>>,
@@ -85,8 +75,8 @@ impl<'a> Reader<'a, '_> {
                 "" => {
                     // Where nothing is known, it is no morph target from its first word on.
                     let otherwise = if self.normals.is_some() { word } else { first };
-                    let told_at = passed_over.of("positions").unwrap_or(otherwise);
-                    return Err(self.lexer.fault(told_at, "`positions`").into());
+                    let reported_at = passed_over.of("positions").unwrap_or(otherwise);
+                    return Err(self.lexer.fault(reported_at, "`positions`").into());
                 }
                 _ => {
                     let near = SECTION.skip_unknown(&mut self.lexer, word, self.warnings)?;
@@ -129,9 +119,9 @@ impl<'a> Reader<'a, '_> {
         let limits = self.limits;
         let so_far = [&self.positions, &self.normals].map(|rows| rows.as_ref().map_or(0, Vec::len));
         let so_far = so_far.iter().sum::<usize>() as u64;
-        let hold = |count: u64| limits.morph_displacements(count.saturating_add(so_far));
-        let section = Section::open(&mut self.lexer, keyword, nouns, Brace::Needed, hold)?;
-        let mut listed = Listed::of(self.changes);
+        let check_limit = |count: u64| limits.morph_displacements(count.saturating_add(so_far));
+        let section = Section::open(&mut self.lexer, keyword, nouns, Brace::Needed, check_limit)?;
+        let mut listed = Listed::of(self.mesh);
         section.read_rows(&mut self.lexer, 8, |lexer, row| {
             let place = || section.in_row(row);
             let (vertex, token) = lexer.whole(place)?;
@@ -149,20 +139,20 @@ impl<'a> Reader<'a, '_> {
 
 /// Which vertices a section has listed.
 struct Listed<'a> {
-    changes: Changes<'a>,
+    mesh: KnownMesh<'a>,
     seen: Vec<bool>,
 }
 
 impl<'a> Listed<'a> {
-    fn of(changes: Changes<'a>) -> Self {
+    fn of(mesh: KnownMesh<'a>) -> Self {
         Self {
-            changes,
-            seen: vec![false; changes.vertex_count],
+            mesh,
+            seen: vec![false; mesh.vertex_count],
         }
     }
 
     /// # Errors
-    /// What should have stood there instead.
+    /// What was expected instead.
     fn add(&mut self, vertex: u64) -> Result<u32, String> {
         let index = usize::try_from(vertex).unwrap_or(usize::MAX);
         match self.seen.get_mut(index) {
@@ -173,9 +163,7 @@ impl<'a> Listed<'a> {
             }
             Some(_) => Err("a vertex that was not listed before".to_owned()),
             None => {
-                let Changes {
-                    file, vertex_count, ..
-                } = self.changes;
+                let KnownMesh { file, vertex_count } = self.mesh;
                 Err(format!(
                     "a vertex below {vertex_count}, the number of positions in `{file}`,"
                 ))

@@ -2,7 +2,7 @@
 //! Never lives here: what the rows mean.
 
 use crate::formats::error::{FileFault, LoadError};
-use crate::formats::lexer::{Lexer, Token, parse_number};
+use crate::formats::text::lexer::{Lexer, Token, parse_number};
 use crate::limits::LimitExceeded;
 
 /// Keyword, count and, as a rule, an opening brace.
@@ -25,16 +25,16 @@ pub(super) enum Brace {
 }
 
 impl<'a> Section<'a> {
-    /// Reads what follows `keyword`. `hold` holds the count against its ceiling.
+    /// Reads what follows `keyword`. `check_limit` holds the count against its ceiling.
     pub(super) fn open(
         lexer: &mut Lexer<'a>,
         keyword: Token<'a>,
         nouns: (&'static str, &'static str),
         brace: Brace,
-        hold: impl Fn(u64) -> Result<(), LimitExceeded>,
+        check_limit: impl Fn(u64) -> Result<(), LimitExceeded>,
     ) -> Result<Self, LoadError> {
         let (count, count_token) = lexer.whole(|| format!("after `{}`", keyword.text))?;
-        hold(count)?;
+        check_limit(count)?;
         let braced = lexer.take("{");
         if !braced && brace == Brace::Needed {
             let place = || format!("after `{} {}`", keyword.text, count_token.text);
@@ -72,8 +72,8 @@ impl<'a> Section<'a> {
         mut read_row: impl FnMut(&mut Lexer<'a>, usize) -> Result<T, LoadError>,
     ) -> Result<Vec<T>, LoadError> {
         // Memory follows what the file holds, not what it claims.
-        let room = lexer.remaining_bytes() / row_bytes + 1;
-        let mut rows = Vec::with_capacity(self.count.min(room));
+        let most = lexer.remaining_bytes() / row_bytes + 1;
+        let mut rows = Vec::with_capacity(self.count.min(most));
         for row in 0..self.count {
             let start = lexer.offset();
             match read_row(lexer, row) {

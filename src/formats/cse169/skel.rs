@@ -13,10 +13,10 @@
 //! Names are free words, or stand in double quotes, and are neither unique nor always there: a joint is known by its place in the order of
 //! appearance.
 
+use super::common::name_and_brace;
 use super::keywords::Keywords;
-use super::name_and_brace;
 use crate::formats::error::{FileFault, LoadError};
-use crate::formats::lexer::{Lexer, Token, parse_number};
+use crate::formats::text::lexer::{Lexer, Token, parse_number};
 use crate::limits::Limits;
 use crate::rig::{JointDraft, LARGEST_COORDINATE, Limit, Rotation, Warnings};
 use glam::DVec3;
@@ -43,7 +43,7 @@ const DEFAULT_BOX: [DVec3; 2] = [DVec3::splat(-0.1), DVec3::splat(0.1)];
 ///
 /// # Errors
 /// [`LoadError::Invalid`] at the first word that does not fit, [`LoadError::Limit`] at the first joint too many.
-pub(in crate::formats) fn read(
+pub(super) fn read(
     lexer: Lexer,
     limits: &Limits,
     warnings: &mut Warnings,
@@ -54,7 +54,7 @@ pub(in crate::formats) fn read(
         warnings,
         joints: Vec::new(),
         open: Vec::new(),
-        orient_told: false,
+        orient_reported: false,
         like_degrees: None,
     };
     reader.read_root()?;
@@ -73,7 +73,7 @@ struct Reader<'a, 'w> {
     joints: Vec<JointDraft>,
     /// From the root down. A stack of our own: a file's depth must not become the depth of calls.
     open: Vec<OpenJoint<'a>>,
-    orient_told: bool,
+    orient_reported: bool,
     /// The first property whose angles look like degrees, and how many there are.
     like_degrees: Option<(Token<'a>, usize)>,
 }
@@ -256,7 +256,7 @@ impl<'a> Reader<'a, '_> {
         while parse_number(self.lexer.peek().text).is_some() {
             self.lexer.next();
         }
-        if !std::mem::replace(&mut self.orient_told, true) {
+        if !std::mem::replace(&mut self.orient_reported, true) {
             let lexer = &self.lexer;
             self.warnings
                 .push(|| format!("{}: `orient` is not used", lexer.place(word)));

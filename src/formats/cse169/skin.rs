@@ -12,16 +12,25 @@
 //! ```
 //! Vertices and joints are counted from 0. `positions` and `triangles` must be there; `skinweights` and `bindings` stand together,
 //! and must be there where the mesh is read with a skeleton. The four rows of a matrix are its columns a, b, c and d: it takes
-//! points from the joint's own space to where it stood when the mesh was bound.
+//! points from the joint's space to the space of the bind pose.
 
+mod rows;
+#[cfg(test)]
+mod tests;
+
+use super::common::{name_and_brace, second};
 use super::keywords::{Keywords, PassedOver};
 use super::sections::{Brace, Section};
-use super::{name_and_brace, second};
+use crate::formats::contribution::{KnownSkeleton, MeshPart};
 use crate::formats::error::{FileFault, LoadError};
-use crate::formats::lexer::{Lexer, Token};
+use crate::formats::text::lexer::{Lexer, Token};
+use crate::formats::text::mention::Mention;
 use crate::limits::Limits;
-use crate::rig::{LARGEST_COORDINATE, MeshDraft, Warnings};
-use glam::{DAffine3, DVec3, Vec2, Vec3};
+use crate::rig::{
+    BindPose, BindingDraft, Material, MeshDraft, PartDraft, Texture, TexturePlace, Warnings,
+};
+use glam::DAffine3;
+use std::sync::Arc;
 
 const SECTION: Keywords = Keywords(&[
     "positions",
@@ -36,7 +45,7 @@ const IN_MATERIAL: Keywords = Keywords(&["texture"]);
 
 /// A skin as its file has it; every index in it is in range.
 #[derive(Debug, Default)]
-pub(in crate::formats) struct Skin {
+pub(super) struct Skin {
     /// Its influences name `bindings`; no weight is negative.
     pub mesh: MeshDraft,
     /// `bind_from_joint` of every joint.
@@ -44,31 +53,66 @@ pub(in crate::formats) struct Skin {
     pub material: Option<SkinMaterial>,
 }
 
+impl Skin {
+    /// `texture` looks up the texture of its material.
+    pub fn into_part(
+        self,
+        is_bound: bool,
+        texture: impl FnOnce(&Mention) -> Option<Arc<Texture>>,
+    ) -> MeshPart {
+        let material = self.material.map(|material| Material {
+            texture: (material.texture.as_ref())
+                .and_then(texture)
+                .map(TexturePlace::plain),
+            ..Material::named(material.name)
+        });
+        let part = PartDraft {
+            triangle_count: self.mesh.triangles.len(),
+            material: material.as_ref().map(|_| 0),
+            is_flat: false,
+        };
+        let mut mesh = MeshDraft {
+            parts: vec![part],
+            ..self.mesh
+        };
+        let mut bindings = Vec::new();
+        if is_bound {
+            let of_joints = self.bindings.into_iter().enumerate();
+            bindings.extend(of_joints.map(|(joint, bind_from_joint)| BindingDraft {
+                file: None,
+                joint: Some(joint),
+                bind_pose: BindPose::BindFromJoint(bind_from_joint),
+            }));
+        } else {
+            // Without a skeleton the mesh stays as it was modelled.
+            mesh.influence_counts.clear();
+            mesh.influences.clear();
+        }
+        MeshPart {
+            mesh,
+            materials: material.into_iter().collect(),
+            bindings,
+        }
+    }
+}
+
+/// Whether a word, in lower case, starts a section.
+pub(super) fn is_keyword(word: &[u8]) -> bool {
+    SECTION.0.iter().any(|keyword| keyword.as_bytes() == word)
+}
+
 #[derive(Debug)]
-pub(in crate::formats) struct SkinMaterial {
+pub(super) struct SkinMaterial {
     pub name: String,
-    pub texture: Option<TextureName>,
-}
-
-#[derive(Debug)]
-pub(in crate::formats) struct TextureName {
-    pub file: String,
-    /// Where the skin says so: `file:line:column`.
-    pub place: String,
-}
-
-/// The skeleton that a skin is read with.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::formats) struct BoundTo<'a> {
-    pub file: &'a str,
-    pub joint_count: usize,
+    /// Its file.
+    pub texture: Option<Mention>,
 }
 
 /// # Errors
 /// [`LoadError::Invalid`] at the word that does not fit, [`LoadError::Limit`] where the file claims more than a ceiling allows.
-pub(in crate::formats) fn read(
+pub(super) fn read(
     lexer: Lexer,
-    skeleton: Option<BoundTo>,
+    skeleton: Option<KnownSkeleton>,
     limits: &Limits,
     warnings: &mut Warnings,
 ) -> Result<Skin, LoadError> {
@@ -181,24 +225,24 @@ impl<'a> Reader<'a, '_> {
             return Err(second(&self.lexer, keyword).into());
         }
         let limits = self.limits;
-        let hold = |count| match part {
+        let check_limit = |count| match part {
             Part::Triangles => limits.triangles(count),
             Part::Bindings => limits.joints(count),
             _ => limits.vertices(count),
         };
         let lexer = &mut self.lexer;
-        let section = Section::open(lexer, keyword, part.nouns(), part.brace(), hold)?;
+        let section = Section::open(lexer, keyword, part.nouns(), part.brace(), check_limit)?;
         self.sections[part as usize] = Some(section);
         let skin = &mut self.skin;
         match part {
-            Part::Positions => skin.mesh.positions = read_vectors(&section, lexer)?,
-            Part::Normals => skin.mesh.normals = Some(read_vectors(&section, lexer)?),
-            Part::Texcoords => skin.mesh.texcoords = Some(read_texcoords(&section, lexer)?),
-            Part::Triangles => skin.mesh.triangles = read_triangles(&section, lexer)?,
-            Part::Bindings => skin.bindings = read_bindings(&section, lexer)?,
+            Part::Positions => skin.mesh.positions = rows::vectors(&section, lexer)?,
+            Part::Normals => skin.mesh.normals = Some(rows::vectors(&section, lexer)?),
+            Part::Texcoords => skin.mesh.texcoords = Some(rows::texcoords(&section, lexer)?),
+            Part::Triangles => skin.mesh.triangles = rows::triangles(&section, lexer)?,
+            Part::Bindings => skin.bindings = rows::bindings(&section, lexer)?,
             Part::Skinweights => {
                 let influences = &mut skin.mesh.influences;
-                skin.mesh.influence_counts = read_weights(&section, lexer, influences, limits)?;
+                skin.mesh.influence_counts = rows::weights(&section, lexer, influences, limits)?;
             }
         }
         Ok(())
@@ -226,15 +270,12 @@ impl<'a> Reader<'a, '_> {
         Ok(())
     }
 
-    fn read_texture_name(&mut self) -> Result<TextureName, FileFault> {
+    fn read_texture_name(&mut self) -> Result<Mention, FileFault> {
         let token = self.lexer.next_name();
         if matches!(token.text, "" | "{" | "}") {
             return Err(self.lexer.fault(token, "a file name after `texture`"));
         }
-        Ok(TextureName {
-            file: token.text.to_owned(),
-            place: self.lexer.place(token),
-        })
+        Ok(Mention::new(token, &self.lexer))
     }
 
     /// Some exporters write a section of no rows for what a mesh does not have.
@@ -266,9 +307,9 @@ impl<'a> Reader<'a, '_> {
         let otherwise = self.first_word.filter(|_| nothing_known).unwrap_or(end);
         let missing = |part: Part, reason: &str| {
             let keyword = part.keyword();
-            let told_at = self.passed_over.of(keyword).unwrap_or(otherwise);
+            let reported_at = self.passed_over.of(keyword).unwrap_or(otherwise);
             let expected = format!("`{keyword}`{reason}");
-            Err(self.lexer.fault(told_at, expected))
+            Err(self.lexer.fault(reported_at, expected))
         };
         if !has(Part::Positions) {
             return missing(Part::Positions, "");
@@ -287,7 +328,7 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
-    fn check_counts(&self, skeleton: Option<BoundTo>) -> Result<(), FileFault> {
+    fn check_counts(&self, skeleton: Option<KnownSkeleton>) -> Result<(), FileFault> {
         let positions = self.skin.mesh.positions.len();
         let differs = |section: &Section<'a>, expected: String| {
             Err(self.lexer.fault(section.count_token, expected))
@@ -305,9 +346,9 @@ impl<'a> Reader<'a, '_> {
             }
         }
         if let (Some(section), Some(skeleton)) = (self.section(Part::Bindings), skeleton)
-            && section.count != skeleton.joint_count
+            && section.count != skeleton.joints.len()
         {
-            let (joints, file) = (skeleton.joint_count, skeleton.file);
+            let (joints, file) = (skeleton.joints.len(), skeleton.file);
             return differs(
                 &section,
                 format!("{joints} bindings, one for each joint of `{file}`"),
@@ -355,97 +396,3 @@ impl<'a> Reader<'a, '_> {
         Err(self.lexer.fault(token, expected))
     }
 }
-
-fn read_vectors<'a>(section: &Section<'a>, lexer: &mut Lexer<'a>) -> Result<Vec<Vec3>, LoadError> {
-    section.read_rows(lexer, 6, |lexer, row| {
-        let numbers = lexer.numbers(|| section.in_row(row))?;
-        Ok(DVec3::from_array(numbers).as_vec3())
-    })
-}
-
-fn read_texcoords<'a>(
-    section: &Section<'a>,
-    lexer: &mut Lexer<'a>,
-) -> Result<Vec<Vec2>, LoadError> {
-    section.read_rows(lexer, 4, |lexer, row| {
-        let [u, v] = lexer.numbers(|| section.in_row(row))?;
-        Ok(Vec2::new(u as f32, v as f32))
-    })
-}
-
-fn read_triangles<'a>(
-    section: &Section<'a>,
-    lexer: &mut Lexer<'a>,
-) -> Result<Vec<[u32; 3]>, LoadError> {
-    section.read_rows(lexer, 6, |lexer, row| {
-        let mut triangle = [0; 3];
-        for corner in &mut triangle {
-            *corner = read_index(lexer, || section.in_row(row))?;
-        }
-        Ok(triangle)
-    })
-}
-
-fn read_bindings<'a>(
-    section: &Section<'a>,
-    lexer: &mut Lexer<'a>,
-) -> Result<Vec<DAffine3>, LoadError> {
-    section.read_rows(lexer, 31, |lexer, row| {
-        let place = || section.in_row(row);
-        let keyword = lexer.expect("matrix", place)?;
-        lexer.expect("{", place)?;
-        let numbers: [f64; 12] = lexer.numbers(place)?;
-        lexer.expect("}", || format!("after 12 numbers {}", place()))?;
-        let bind_from_joint = DAffine3::from_cols_array(&numbers);
-        // As the rig will ask: an inverse beyond its numbers is rounding error.
-        let inverse = bind_from_joint.inverse().to_cols_array();
-        if !inverse
-            .iter()
-            .all(|entry| entry.abs() <= LARGEST_COORDINATE)
-        {
-            let expected = format!("a matrix that can be inverted {}", place());
-            return Err(lexer
-                .fault_found(keyword, expected, "one that cannot")
-                .into());
-        }
-        Ok(bind_from_joint)
-    })
-}
-
-fn read_weights<'a>(
-    section: &Section<'a>,
-    lexer: &mut Lexer<'a>,
-    influences: &mut Vec<(u32, f64)>,
-    limits: &Limits,
-) -> Result<Vec<u32>, LoadError> {
-    section.read_rows(lexer, 2, |lexer, row| {
-        let place = || section.in_row(row);
-        let (count, count_token) = lexer.whole(place)?;
-        limits.influences((influences.len() as u64).saturating_add(count))?;
-        let Ok(count) = u32::try_from(count) else {
-            let expected = format!("a number of influences below 2^32 {}", place());
-            return Err(lexer.fault(count_token, expected).into());
-        };
-        for _ in 0..count {
-            let joint = read_index(lexer, place)?;
-            let start = lexer.offset();
-            let weight = lexer.number(place)?;
-            if weight < 0.0 {
-                let token = lexer.from(start).next();
-                let expected = format!("a weight that is not negative {}", place());
-                return Err(lexer.fault(token, expected).into());
-            }
-            influences.push((joint, weight));
-        }
-        Ok(count)
-    })
-}
-
-/// One that does not fit becomes the largest, which is out of every range.
-fn read_index(lexer: &mut Lexer, place: impl Fn() -> String) -> Result<u32, FileFault> {
-    let (index, _) = lexer.whole(place)?;
-    Ok(u32::try_from(index).unwrap_or(u32::MAX))
-}
-
-#[cfg(test)]
-mod tests;

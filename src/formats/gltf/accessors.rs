@@ -1,11 +1,14 @@
 //! Numbers out of buffers: every accessor is held against its buffer before anything of its size is allocated.
 //! Never lives here: what the numbers are for.
 
-use super::buffers::Buffers;
+use super::buffers::{Buffers, View};
+use super::elements::{
+    Elements, Sparse, Strided, component_count, component_size, divisor, element_size, integer,
+};
 use super::extensions;
 use super::fault::Faults;
 use crate::formats::error::LoadError;
-use gltf_json::accessor::{Accessor, ComponentType, GenericComponentType, Type};
+use gltf_json::accessor::{Accessor, ComponentType, GenericComponentType, Type, sparse};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
 use serde_json::{Map, Value};
@@ -28,38 +31,18 @@ pub(super) const MOST_NUMBERS: u64 = 1 << 30;
 /// as many as it has bytes in its buffers.
 const ZEROS: u64 = 1 << 16;
 
-/// What an accessor is asked to be.
+/// What is due where a type is none of the specification.
+const KNOWN_TYPE: &str = "a type of the specification";
+
+/// What an accessor has to be for its use.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Wanted {
+pub(super) struct Requirement {
     /// Any of these.
     pub types: &'static [Type],
     pub components: &'static [ComponentType],
     pub expected: &'static str,
     /// Whether integers have to be numbers from −1 or 0 to 1; else they are where the accessor says so.
     pub normalizes: bool,
-}
-
-/// Where the elements of an accessor are.
-struct Place<'b> {
-    component: ComponentType,
-    /// Components of an element.
-    width: usize,
-    count: usize,
-    /// `None`: all of them are 0.
-    base: Option<Strided<'b>>,
-    /// Those that differ from the base, in ascending order.
-    sparse: Option<(Vec<u32>, Strided<'b>)>,
-}
-
-struct Strided<'b> {
-    bytes: &'b [u8],
-    stride: usize,
-}
-
-impl Strided<'_> {
-    fn element(&self, index: usize, size: usize) -> &[u8] {
-        &self.bytes[index * self.stride..][..size]
-    }
 }
 
 impl<'a> Accessors<'a> {
@@ -87,37 +70,41 @@ impl<'a> Accessors<'a> {
         &self,
         index: Index<Accessor>,
         path: &str,
-        wanted: Wanted,
+        requirement: Requirement,
     ) -> Result<(Vec<f32>, usize), LoadError> {
         let accessor = self.accessor(index, path)?;
-        let place = self.place(index, accessor, path, wanted)?;
-        let is_float = place.component == ComponentType::F32;
+        let elements = self.elements(index, path, requirement)?;
+        let is_float = elements.component == ComponentType::F32;
         let divisor = if accessor.normalized {
-            divisor(place.component)
+            divisor(elements.component)
         } else {
             1.0
         };
         // Of a normalized byte -128 and -127 are both -1.
         let least = if accessor.normalized { -1.0 } else { f32::MIN };
-        let size = size_of_component(place.component);
-        let mut floats = vec![0.0; place.count * place.width];
-        place.each(|element, bytes| {
-            let into = &mut floats[element * place.width..][..place.width];
+        let size = component_size(elements.component);
+        let mut floats = vec![0.0; elements.count * elements.width];
+        elements.each(|element, bytes| {
+            let into = &mut floats[element * elements.width..][..elements.width];
             for (into, bytes) in into.iter_mut().zip(bytes.chunks_exact(size)) {
                 *into = if is_float {
-                    f32::from_bits(integer(place.component, bytes) as u32)
+                    f32::from_bits(integer(elements.component, bytes) as u32)
                 } else {
-                    (integer(place.component, bytes) as f32 / divisor).max(least)
+                    (integer(elements.component, bytes) as f32 / divisor).max(least)
                 };
             }
         });
         if let Some(at) = floats.iter().position(|number| !number.is_finite()) {
-            let path = format!("accessors[{}], element {}", index.value(), at / place.width);
+            let path = format!(
+                "accessors[{}], element {}",
+                index.value(),
+                at / elements.width
+            );
             return Err(self
                 .faults
                 .load(&path, "a finite number", floats[at].to_string()));
         }
-        Ok((floats, place.width))
+        Ok((floats, elements.width))
     }
 
     /// As [`Self::floats`], of elements that have so many numbers each.
@@ -125,9 +112,9 @@ impl<'a> Accessors<'a> {
         &self,
         index: Index<Accessor>,
         path: &str,
-        wanted: Wanted,
+        requirement: Requirement,
     ) -> Result<Vec<[f32; N]>, LoadError> {
-        let (floats, width) = self.floats(index, path, wanted)?;
+        let (floats, width) = self.floats(index, path, requirement)?;
         debug_assert_eq!(width, N);
         Ok(floats.as_chunks().0.to_vec())
     }
@@ -137,19 +124,18 @@ impl<'a> Accessors<'a> {
         &self,
         index: Index<Accessor>,
         path: &str,
-        wanted: Wanted,
+        requirement: Requirement,
     ) -> Result<(Vec<u32>, usize), LoadError> {
-        let accessor = self.accessor(index, path)?;
-        let place = self.place(index, accessor, path, wanted)?;
-        let size = size_of_component(place.component);
-        let mut integers = vec![0; place.count * place.width];
-        place.each(|element, bytes| {
-            let into = &mut integers[element * place.width..][..place.width];
+        let elements = self.elements(index, path, requirement)?;
+        let size = component_size(elements.component);
+        let mut integers = vec![0; elements.count * elements.width];
+        elements.each(|element, bytes| {
+            let into = &mut integers[element * elements.width..][..elements.width];
             for (into, bytes) in into.iter_mut().zip(bytes.chunks_exact(size)) {
-                *into = integer(place.component, bytes) as u32;
+                *into = integer(elements.component, bytes) as u32;
             }
         });
-        Ok((integers, place.width))
+        Ok((integers, elements.width))
     }
 
     /// An accessor of no bytes is zeros, but where one of these extensions may bring what it has.
@@ -171,48 +157,18 @@ impl<'a> Accessors<'a> {
         }
     }
 
-    fn place(
+    /// Where the elements of an accessor lie, once it is what is required and in range of its buffer.
+    fn elements(
         &self,
         index: Index<Accessor>,
-        accessor: &Accessor,
         path: &str,
-        wanted: Wanted,
-    ) -> Result<Place<'a>, LoadError> {
-        let faults = self.faults;
+        requirement: Requirement,
+    ) -> Result<Elements<'a>, LoadError> {
+        let accessor = self.accessor(index, path)?;
         let own = format!("accessors[{}]", index.value());
-        let types = "a type of the specification";
-        let kind = faults.valid(accessor.type_, &format!("{own}.type"), types)?;
-        let component = format!("{own}.componentType");
-        let component = faults.valid(accessor.component_type, &component, types)?.0;
-        let is_bare = component != ComponentType::F32 && !accessor.normalized;
-        if !wanted.types.contains(&kind)
-            || !wanted.components.contains(&component)
-            || (wanted.normalizes && is_bare)
-        {
-            let path = format!("{path} -> {own}");
-            let bare = if is_bare { ", not normalized" } else { "" };
-            let found = format!("{kind:?} of {component:?}{bare}");
-            return Err(faults.load(&path, wanted.expected, found));
-        }
-        let most = match accessor.buffer_view {
-            Some(_) => u64::from(u32::MAX),
-            None => self.buffers.bytes().max(ZEROS),
-        };
-        if accessor.count.0 == 0 || accessor.count.0 > most {
-            let path = format!("{own}.count");
-            let expected = match accessor.count.0 {
-                0 => "at least one element".to_owned(),
-                _ => format!("at most {most} elements"),
-            };
-            return Err(faults.load(&path, expected, accessor.count.0.to_string()));
-        }
-        let count = accessor.count.0 as usize;
-        let numbers = accessor.count.0 * components_of(kind) as u64;
-        let left = self.left.get().checked_sub(numbers).ok_or_else(|| {
-            let expected = format!("no more than {MOST_NUMBERS} numbers in all accessors together");
-            faults.load(path, expected, "more, each counted as often as it is read")
-        })?;
-        self.left.set(left);
+        let (kind, component) = self.required_type(accessor, &own, path, requirement)?;
+        let count = self.bounded_count(accessor, &own)?;
+        self.spend(count * component_count(kind), path)?;
         let size = element_size(kind, component);
         let base = match accessor.buffer_view {
             None => {
@@ -222,152 +178,155 @@ impl<'a> Accessors<'a> {
             }
             Some(view) => {
                 let offset = accessor.byte_offset.unwrap_or_default().0;
-                let view_path = format!("{own}.bufferView");
-                let (bytes, stride) = self.buffers.view(self.root, view, &view_path)?;
-                Some(self.strided(&own, (bytes, stride), offset, count, size)?)
-            }
-        };
-        let sparse = match &accessor.sparse {
-            None => None,
-            Some(sparse) => {
-                let own = format!("{own}.sparse");
-                let listed = sparse.count.0;
-                if listed > count as u64 {
-                    let expected = format!("no more than the {count} elements");
-                    return Err(faults.load(&format!("{own}.count"), expected, listed.to_string()));
-                }
-                let listed = listed as usize;
-                let (indices, values) = (&sparse.indices, &sparse.values);
-                let kind_path = format!("{own}.indices.componentType");
-                let kind = faults.valid(indices.component_type, &kind_path, types)?.0;
-                let indices_path = format!("{own}.indices");
-                let (bytes, _) =
-                    self.buffers
-                        .view(self.root, indices.buffer_view, &indices_path)?;
-                let width = size_of_component(kind);
-                let offset = indices.byte_offset.0;
-                let packed = self.strided(&indices_path, (bytes, None), offset, listed, width)?;
-                let at = |it: usize| integer(kind, packed.element(it, width)) as u32;
-                let at: Vec<u32> = (0..listed).map(at).collect();
-                let ascends = at.is_sorted_by(|a, b| a < b);
-                if !ascends || at.last().is_some_and(|&last| last as usize >= count) {
-                    let expected = format!("indices below {count}, each above the one before");
-                    return Err(faults.load(&indices_path, expected, "others"));
-                }
-                let values_path = format!("{own}.values");
-                let (bytes, _) = self
+                let view = self
                     .buffers
-                    .view(self.root, values.buffer_view, &values_path)?;
-                let offset = values.byte_offset.0;
-                Some((
-                    at,
-                    self.strided(&values_path, (bytes, None), offset, listed, size)?,
-                ))
+                    .view(self.root, view, &format!("{own}.bufferView"))?;
+                Some(self.strided(&own, view, offset, count, size)?)
             }
         };
-        Ok(Place {
+        let sparse = accessor.sparse.as_ref();
+        let sparse = sparse.map(|sparse| self.sparse(sparse, &own, count, size));
+        Ok(Elements {
             component,
-            width: components_of(kind),
+            width: component_count(kind),
             count,
             base,
-            sparse,
+            sparse: sparse.transpose()?,
         })
     }
 
-    /// Where so many elements of that size lie in the bytes of a view.
+    /// The type of elements and of their components, if it is one of those that are required.
+    fn required_type(
+        &self,
+        accessor: &Accessor,
+        own: &str,
+        path: &str,
+        requirement: Requirement,
+    ) -> Result<(Type, ComponentType), LoadError> {
+        let faults = self.faults;
+        let kind = faults.valid(accessor.type_, &format!("{own}.type"), KNOWN_TYPE)?;
+        let component = format!("{own}.componentType");
+        let component = faults
+            .valid(accessor.component_type, &component, KNOWN_TYPE)?
+            .0;
+        let is_bare = component != ComponentType::F32 && !accessor.normalized;
+        if !requirement.types.contains(&kind)
+            || !requirement.components.contains(&component)
+            || (requirement.normalizes && is_bare)
+        {
+            let path = format!("{path} -> {own}");
+            let bare = if is_bare { ", not normalized" } else { "" };
+            let found = format!("{kind:?} of {component:?}{bare}");
+            return Err(faults.load(&path, requirement.expected, found));
+        }
+        Ok((kind, component))
+    }
+
+    /// The number of elements, which is not 0 and no more than anything of the file can account for.
+    fn bounded_count(&self, accessor: &Accessor, own: &str) -> Result<usize, LoadError> {
+        let most = match accessor.buffer_view {
+            Some(_) => u64::from(u32::MAX),
+            None => self.buffers.bytes().max(ZEROS),
+        };
+        let count = accessor.count.0;
+        if (1..=most).contains(&count) {
+            return Ok(count as usize);
+        }
+        let expected = match count {
+            0 => "at least one element".to_owned(),
+            _ => format!("at most {most} elements"),
+        };
+        let path = format!("{own}.count");
+        Err(self.faults.load(&path, expected, count.to_string()))
+    }
+
+    /// Takes so many numbers from those that may still be read.
+    fn spend(&self, numbers: usize, path: &str) -> Result<(), LoadError> {
+        let left = self.left.get().checked_sub(numbers as u64);
+        self.left.set(left.ok_or_else(|| {
+            let expected = format!("no more than {MOST_NUMBERS} numbers in all accessors together");
+            let found = "more, each counted as often as it is read";
+            self.faults.load(path, expected, found)
+        })?);
+        Ok(())
+    }
+
+    /// The elements that differ from the base of an accessor of `count` elements, `size` bytes each.
+    fn sparse(
+        &self,
+        sparse: &sparse::Sparse,
+        own: &str,
+        count: usize,
+        size: usize,
+    ) -> Result<Sparse<'a>, LoadError> {
+        let faults = self.faults;
+        let own = format!("{own}.sparse");
+        let listed = sparse.count.0;
+        if listed > count as u64 {
+            let expected = format!("no more than the {count} elements");
+            return Err(faults.load(&format!("{own}.count"), expected, listed.to_string()));
+        }
+        let listed = listed as usize;
+        // What is sparse is packed, whatever its views say.
+        let packed = |view, path: &str, offset, size| {
+            let view = self.buffers.view(self.root, view, path)?;
+            let view = View {
+                stride: None,
+                ..view
+            };
+            self.strided(path, view, offset, listed, size)
+        };
+        let path = format!("{own}.indices");
+        let component = sparse.indices.component_type;
+        let component = faults.valid(component, &format!("{path}.componentType"), KNOWN_TYPE)?;
+        let component = component.0;
+        let width = component_size(component);
+        let (view, offset) = (sparse.indices.buffer_view, sparse.indices.byte_offset.0);
+        let indices = packed(view, &path, offset, width)?;
+        let indices = indices.iter(width).take(listed);
+        let indices: Vec<u32> = indices.map(|it| integer(component, it) as u32).collect();
+        let ascends = indices.is_sorted_by(|a, b| a < b);
+        if !ascends || indices.last().is_some_and(|&last| last as usize >= count) {
+            let expected = format!("indices below {count}, each above the one before");
+            return Err(faults.load(&path, expected, "others"));
+        }
+        let (view, offset) = (sparse.values.buffer_view, sparse.values.byte_offset.0);
+        let values = packed(view, &format!("{own}.values"), offset, size)?;
+        Ok(Sparse { indices, values })
+    }
+
+    /// So many elements of that size in a view, from `offset` on.
     fn strided<'b>(
         &self,
         path: &str,
-        (bytes, stride): (&'b [u8], Option<usize>),
+        view: View<'b>,
         offset: u64,
         count: usize,
         size: usize,
     ) -> Result<Strided<'b>, LoadError> {
-        let stride = stride.unwrap_or(size);
+        let stride = view.stride.unwrap_or(size);
         if stride < size {
             let expected = format!("a stride of at least the {size} bytes of an element");
             return Err(self.faults.load(path, expected, stride.to_string()));
         }
-        let last = count.saturating_sub(1) as u64;
-        let needed = last
-            .checked_mul(stride as u64)
-            .and_then(|it| it.checked_add(size as u64));
-        let needed = needed.filter(|_| count > 0).or((count == 0).then_some(0));
+        let needed = match count.checked_sub(1) {
+            None => Some(0),
+            Some(last) => {
+                let before = (last as u64).checked_mul(stride as u64);
+                before.and_then(|before| before.checked_add(size as u64))
+            }
+        };
         let end = needed.and_then(|needed| needed.checked_add(offset));
-        match end.filter(|&end| end <= bytes.len() as u64) {
-            Some(_) => Ok(Strided {
-                bytes: &bytes[offset as usize..],
-                stride,
-            }),
-            None => {
-                let expected = format!("{count} elements in the {} bytes of its view", bytes.len());
-                let found = format!("elements of {size} bytes, {stride} apart, from {offset}");
-                Err(self.faults.load(path, expected, found))
-            }
+        let there = view.bytes.len();
+        if end.is_none_or(|end| end > there as u64) {
+            let expected = format!("{count} elements in the {there} bytes of its view");
+            let found = format!("elements of {size} bytes, {stride} apart, from {offset}");
+            return Err(self.faults.load(path, expected, found));
         }
-    }
-}
-
-impl Place<'_> {
-    /// Every element that is not all 0, as its bytes; one that differs from its base comes twice.
-    fn each(&self, mut take: impl FnMut(usize, &[u8])) {
-        let size = self.width * size_of_component(self.component);
-        // Columns of matrices of bytes and shorts would be padded; no such matrix is ever asked for.
-        if let Some(base) = &self.base {
-            for element in 0..self.count {
-                take(element, base.element(element, size));
-            }
-        }
-        if let Some((at, values)) = &self.sparse {
-            for (index, &element) in at.iter().enumerate() {
-                take(element as usize, values.element(index, size));
-            }
-        }
-    }
-}
-
-fn components_of(kind: Type) -> usize {
-    match kind {
-        Type::Scalar => 1,
-        Type::Vec2 => 2,
-        Type::Vec3 => 3,
-        Type::Vec4 | Type::Mat2 => 4,
-        Type::Mat3 => 9,
-        Type::Mat4 => 16,
-    }
-}
-
-pub(super) fn element_size(kind: Type, component: ComponentType) -> usize {
-    components_of(kind) * size_of_component(component)
-}
-
-fn size_of_component(component: ComponentType) -> usize {
-    match component {
-        ComponentType::I8 | ComponentType::U8 => 1,
-        ComponentType::I16 | ComponentType::U16 => 2,
-        ComponentType::U32 | ComponentType::F32 => 4,
-    }
-}
-
-/// What 1 is as a normalized integer.
-fn divisor(component: ComponentType) -> f32 {
-    match component {
-        ComponentType::I8 => 127.0,
-        ComponentType::U8 => 255.0,
-        ComponentType::I16 => 32767.0,
-        ComponentType::U16 => 65535.0,
-        ComponentType::U32 | ComponentType::F32 => 1.0,
-    }
-}
-
-fn integer(component: ComponentType, bytes: &[u8]) -> i64 {
-    let two = || bytes.first_chunk::<2>().copied().unwrap_or_default();
-    let four = || bytes.first_chunk::<4>().copied().unwrap_or_default();
-    match component {
-        ComponentType::I8 => i64::from(bytes[0] as i8),
-        ComponentType::U8 => i64::from(bytes[0]),
-        ComponentType::I16 => i64::from(i16::from_le_bytes(two())),
-        ComponentType::U16 => i64::from(u16::from_le_bytes(two())),
-        ComponentType::U32 | ComponentType::F32 => i64::from(u32::from_le_bytes(four())),
+        Ok(Strided {
+            view,
+            offset: offset as usize,
+            stride,
+        })
     }
 }

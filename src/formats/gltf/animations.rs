@@ -1,13 +1,15 @@
 //! Animations as clips. Never lives here: what a pose makes of them.
 
-use super::accessors::{Accessors, Wanted};
-use super::container::NO_NODE;
-use super::nodes::{Nodes, is_unit};
+use super::accessors::{Accessors, Requirement};
+use super::fault::Faults;
+use super::joints::is_unit;
+use super::nodes::Nodes;
+use super::normalize::NO_NODE;
 use crate::formats::error::LoadError;
 use crate::limits::Limits;
 use crate::rig::{
-    Axis, ChannelDraft, ClipDraft, Curve, DofKind, Extrapolation, Interpolation, JointDraft, Key,
-    Warnings,
+    Axis, ChannelDraft, ChannelTarget, ClipDraft, Curve, DofKind, Extrapolation, Interpolation,
+    JointDraft, Key, Warnings,
 };
 use glam::DQuat;
 use gltf_json::Animation;
@@ -17,25 +19,25 @@ use gltf_json::animation::{Channel, Interpolation as InFile, Property};
 use gltf_json::validation::Checked;
 use std::collections::HashMap;
 
-const TIMES: Wanted = Wanted {
+const TIMES: Requirement = Requirement {
     types: &[Type::Scalar],
     components: &[F32],
     expected: "SCALAR of F32",
     normalizes: false,
 };
-const VECTORS: Wanted = Wanted {
+const VECTORS: Requirement = Requirement {
     types: &[Type::Vec3],
     components: &[F32],
     expected: "VEC3 of F32",
     normalizes: false,
 };
-const ROTATIONS: Wanted = Wanted {
+const ROTATIONS: Requirement = Requirement {
     types: &[Type::Vec4],
     components: &[F32, I8, U8, I16, U16],
     expected: "VEC4 of F32, or of normalized integers",
     normalizes: true,
 };
-const WEIGHTS: Wanted = Wanted {
+const WEIGHTS: Requirement = Requirement {
     types: &[Type::Scalar],
     components: &[F32, I8, U8, I16, U16],
     expected: "SCALAR of F32, or of normalized integers",
@@ -74,90 +76,85 @@ impl AnimationReader<'_> {
         warnings: &mut Warnings,
     ) -> Result<ClipDraft, LoadError> {
         let faults = self.accessors.faults;
-        let mut channels = Vec::new();
+        let mut clip = ClipDraft::default();
         let mut range: Option<[f64; 2]> = None;
         // By node and what of it is moved, the channel that moves it.
         let mut taken: HashMap<(usize, u8), usize> = HashMap::new();
-        let moving = animation.channels.iter().enumerate();
-        let moving = moving.filter(|(_, channel)| channel.target.node.value() != NO_NODE as usize);
-        for (place, channel) in moving {
-            let path = format!("animations[{index}].channels[{place}]");
+        for (place, channel) in animation.channels.iter().enumerate() {
             let node = channel.target.node;
-            let node_path = format!("{path}.target.node");
-            let of_file = faults.get(&self.accessors.root.nodes, "nodes", node, &node_path)?;
-            let node = node.value();
+            if node.value() == NO_NODE as usize {
+                continue;
+            }
+            let path = format!("animations[{index}].channels[{place}]");
+            let nodes = &self.accessors.root.nodes;
+            faults.get(nodes, "nodes", node, &format!("{path}.target.node"))?;
             let Checked::Valid(property) = channel.target.path else {
                 continue;
             };
-            let mut warn = |sentence: &str| {
-                warnings.push(|| faults.warning(&format!("{path} {sentence}")));
-            };
-            if let Some(other) = taken.insert((node, property as u8), place) {
-                taken.insert((node, property as u8), other);
-                let same = format!("has the target of channels[{other}] and is left out");
-                warn(&same);
+            if let Some(&other) = taken.get(&(node.value(), property as u8)) {
+                let same = format!("{path} has the target of channels[{other}] and is left out");
+                warnings.push(|| faults.warning(&same));
                 continue;
             }
-            let is_of_morphs = property == Property::MorphTargetWeights;
-            if is_of_morphs && self.morphs_of[node].is_none_or(|(_, count)| count == 0) {
-                if self.nodes.is_in_scene[node] {
-                    let nothing = format!(
-                        "moves morph targets of nodes[{node}], which draws none, and is left out"
-                    );
-                    warn(&nothing);
-                }
+            taken.insert((node.value(), property as u8), place);
+            if !self.has_target(node.value(), property, &path, warnings) {
                 continue;
-            }
-            if !is_of_morphs && of_file.matrix.is_some() {
-                let matrix =
-                    format!("moves nodes[{node}], which has a matrix; the matrix is taken apart");
-                warn(&matrix);
             }
             let (sampled, targets) = self.sampled(index, animation, channel, property, &path)?;
             let [first, last] = sampled.range;
             let [start, end] = range.unwrap_or([first, last]);
             range = Some([start.min(first), end.max(last)]);
-            if first < 0.0 {
-                warn("has a key before 0 seconds");
-            }
-            if sampled.jumps > 0 {
-                let jumps = format!("has {} keys at the time of the one before", sampled.jumps);
-                warn(&jumps);
-            }
-            if sampled.times.len() == 1 && sampled.interpolation == Interpolation::Cubic {
-                warn("has a spline of one key, whose value holds");
-            }
-            // What moves nothing that is there moves nothing.
-            let Some(joint) = self.nodes.joint_of[node] else {
-                continue;
-            };
-            self.keys += sampled.times.len() * targets.len().max(1);
-            self.limits.keys(self.keys)?;
-            if property == Property::Rotation {
-                let (curve, not_unit) = sampled.rotations();
-                if not_unit > 0 {
-                    let sentence = format!("has {not_unit} rotations that are no unit quaternions");
-                    warn(&sentence);
+            sampled.warn(faults, &path, warnings);
+            // A channel of a node that is no joint moves nothing.
+            if let Some(joint) = self.nodes.joint_of[node.value()] {
+                self.keys += sampled.times.len() * targets.len().max(1);
+                self.limits.keys(self.keys)?;
+                let channels = &mut clip.channels;
+                if property == Property::Rotation {
+                    let (curve, not_unit) = sampled.rotations();
+                    if not_unit > 0 {
+                        let sentence =
+                            format!("{path} has {not_unit} rotations that are no unit quaternions");
+                        warnings.push(|| faults.warning(&sentence));
+                    }
+                    channels.push(ChannelDraft::Rotation { joint, curve });
+                } else {
+                    channels.extend(sampled.channels(&targets, &self.nodes.joints[joint]));
                 }
-                channels.push(ChannelDraft::Rotation { joint, curve });
-                continue;
-            }
-            let of_joint = &self.nodes.joints[joint];
-            for (component, target) in targets.into_iter().enumerate() {
-                let rest = offset_of(target, of_joint);
-                let curve = sampled.curve(component, rest);
-                channels.push(ChannelDraft::Dof { target, curve });
             }
         }
-        Ok(ClipDraft {
-            name: faults.name(
-                animation.name.as_deref(),
-                &format!("animations[{index}]"),
-                warnings,
-            ),
-            range: range.unwrap_or_default(),
-            channels,
-        })
+        let path = format!("animations[{index}]");
+        clip.name = faults.name(animation.name.as_deref(), &path, warnings);
+        clip.range = range.unwrap_or_default();
+        Ok(clip)
+    }
+
+    /// Whether a node has what a channel moves.
+    fn has_target(
+        &self,
+        node: usize,
+        property: Property,
+        path: &str,
+        warnings: &mut Warnings,
+    ) -> bool {
+        let faults = self.accessors.faults;
+        if property != Property::MorphTargetWeights {
+            if self.accessors.root.nodes[node].matrix.is_some() {
+                let matrix = format!(
+                    "{path} moves nodes[{node}], which has a matrix; the matrix is taken apart"
+                );
+                warnings.push(|| faults.warning(&matrix));
+            }
+            return true;
+        }
+        let has_morphs = self.morphs_of[node].is_some_and(|(_, count)| count > 0);
+        if !has_morphs && self.nodes.is_in_scene[node] {
+            let nothing = format!(
+                "{path} moves morph targets of nodes[{node}], which draws none, and is left out"
+            );
+            warnings.push(|| faults.warning(&nothing));
+        }
+        has_morphs
     }
 
     /// The keys of a channel, and the DOFs that its components set.
@@ -172,7 +169,7 @@ impl AnimationReader<'_> {
         let faults = self.accessors.faults;
         let node = channel.target.node.value();
         let joint = self.nodes.joint_of[node].unwrap_or_default();
-        let (wanted, targets): (_, Vec<DofKind>) = match property {
+        let (requirement, targets): (_, Vec<DofKind>) = match property {
             Property::Translation => {
                 let target = |axis| DofKind::Translation { joint, axis };
                 (VECTORS, Axis::ALL.map(target).to_vec())
@@ -211,7 +208,9 @@ impl AnimationReader<'_> {
             return Err(faults.load(&path, expected, times[place + 1].to_string()));
         }
         let output = format!("{sampler_path}.output");
-        let (values, width) = self.accessors.floats(sampler.output, &output, wanted)?;
+        let (values, width) = self
+            .accessors
+            .floats(sampler.output, &output, requirement)?;
         let per_key = match interpolation {
             Interpolation::Cubic => 3,
             Interpolation::Linear | Interpolation::Step => 1,
@@ -240,7 +239,7 @@ impl AnimationReader<'_> {
 }
 
 /// The times of keys, those of several at one time apart by as little as can be: the curve jumps there to the last of them. Between two
-/// times of f32 there is room for half a thousand million of f64.
+/// times of f32 there are half a thousand million of f64.
 fn apart(times: &[f32]) -> Vec<f64> {
     let mut next = f64::INFINITY;
     let mut apart: Vec<f64> = times.iter().copied().map(f64::from).collect();
@@ -251,7 +250,7 @@ fn apart(times: &[f32]) -> Vec<f64> {
     apart
 }
 
-/// What a DOF is less than what the file has: translations are told from rest.
+/// By how much a DOF is less than the value in the file: translations are relative to rest.
 fn offset_of(target: DofKind, joint: &JointDraft) -> f64 {
     match target {
         DofKind::Translation { axis, .. } => joint.offset[axis.index()],
@@ -260,6 +259,35 @@ fn offset_of(target: DofKind, joint: &JointDraft) -> f64 {
 }
 
 impl Sampled {
+    /// What is odd about its keys.
+    fn warn(&self, faults: Faults<'_>, path: &str, warnings: &mut Warnings) {
+        let mut warn =
+            |sentence: &str| warnings.push(|| faults.warning(&format!("{path} {sentence}")));
+        if self.range[0] < 0.0 {
+            warn("has a key before 0 seconds");
+        }
+        if self.jumps > 0 {
+            let jumps = self.jumps;
+            warn(&format!("has {jumps} keys at the time of the one before"));
+        }
+        if self.times.len() == 1 && self.interpolation == Interpolation::Cubic {
+            warn("has a spline of one key, whose value holds");
+        }
+    }
+
+    /// A channel for each component.
+    fn channels(
+        &self,
+        targets: &[DofKind],
+        joint: &JointDraft,
+    ) -> impl Iterator<Item = ChannelDraft> {
+        let channel = |(component, &target): (usize, &DofKind)| ChannelDraft::Dof {
+            target: ChannelTarget::Dof(target),
+            curve: self.curve(component, offset_of(target, joint)),
+        };
+        targets.iter().enumerate().map(channel)
+    }
+
     /// A component of the value at a key, and of the slopes into and out of it.
     fn at(&self, key: usize, component: usize) -> [f64; 3] {
         let number = |place: usize| f64::from(self.values[place * self.width + component]);

@@ -1,6 +1,7 @@
 //! Bytes that a document refers to: buffers and their views, inside it, in other files, in data URIs.
 //! Never lives here: what the bytes mean.
 
+use super::bytes::Bytes;
 use super::container::Container;
 use super::extensions;
 use super::fault::Faults;
@@ -14,22 +15,13 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Bytes wherever they came from.
+/// A view of a buffer.
 #[derive(Debug, Clone)]
-pub(super) enum Bytes<'a> {
-    Here(&'a [u8]),
-    Decoded(Arc<[u8]>),
-}
-
-impl std::ops::Deref for Bytes<'_> {
-    type Target = [u8];
-
-    fn deref(&self) -> &[u8] {
-        match self {
-            Self::Here(bytes) => bytes,
-            Self::Decoded(bytes) => bytes,
-        }
-    }
+pub(super) struct View<'a> {
+    /// A compressed view is decoded into bytes of its own before anyone sees it.
+    pub bytes: Bytes<'a>,
+    /// How far its elements are apart, where it says so.
+    pub stride: Option<usize>,
 }
 
 /// Every buffer of a document: as long as it says at least, or why it cannot be had. Only one that is read has to be there.
@@ -84,13 +76,12 @@ impl<'a> Buffers<'a> {
         self.size
     }
 
-    /// The bytes of a view, and how far its elements are apart where it says so.
     pub fn view<'s>(
         &'s self,
         root: &Root,
         index: Index<buffer::View>,
         path: &str,
-    ) -> Result<(&'s [u8], Option<usize>), LoadError> {
+    ) -> Result<View<'s>, LoadError> {
         let faults = self.faults;
         let view = faults.get(&root.buffer_views, "buffer views", index, path)?;
         let path = format!("bufferViews[{}]", index.value());
@@ -124,7 +115,10 @@ impl<'a> Buffers<'a> {
             let path = format!("{path}.byteStride");
             return Err(faults.load(&path, "a number from 4 to 252", stride.to_string()));
         }
-        Ok((bytes.ok_or_else(beyond)?, stride))
+        Ok(View {
+            bytes: Bytes::InFile(bytes.ok_or_else(beyond)?),
+            stride,
+        })
     }
 }
 
@@ -150,7 +144,7 @@ fn bytes_of<'a>(
                 );
                 warnings.push(|| faults.warning(&sentence));
             }
-            Bytes::Decoded(open(faults, &path, uri, from, files)?)
+            Bytes::Shared(open(faults, &path, uri, from, files)?)
         }
         None => {
             let missing = || {
@@ -161,7 +155,7 @@ fn bytes_of<'a>(
                 };
                 faults.load(path, "a `uri`, or a binary chunk", found)
             };
-            Bytes::Here(binary.ok_or_else(missing)?)
+            Bytes::InFile(binary.ok_or_else(missing)?)
         }
     };
     let USize64(length) = buffer.byte_length;

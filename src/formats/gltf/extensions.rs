@@ -3,6 +3,7 @@
 use super::fault::Faults;
 use crate::formats::error::{FileFault, quoted};
 use crate::rig::Warnings;
+use gltf_json::Node;
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 
@@ -21,6 +22,11 @@ const READ: &[&str] = &[
 pub(super) const EMISSIVE_STRENGTH: &str = "KHR_materials_emissive_strength";
 pub(super) const LIGHTS: &str = "KHR_lights_punctual";
 pub(super) const VARIANTS: &str = "KHR_materials_variants";
+
+/// What a node says of the light that it carries.
+pub(super) fn light_of(node: &Node) -> Option<&Value> {
+    node.extensions.as_ref()?.others.get(LIGHTS)
+}
 
 const ABOUT: &str = "what it says about the file is not shown";
 const OUTLINES: &str = "outlines are not drawn";

@@ -1,4 +1,4 @@
-//! Faults of a glTF file, told by the path of the member at fault.
+//! Faults of a glTF file, which name the path of the member at fault. Never lives here: what is a fault.
 
 use crate::formats::error::{FileFault, LoadError, quoted};
 use crate::rig::Warnings;

@@ -1,6 +1,6 @@
 //! What the vertices of a primitive follow. Never lives here: skins as bindings.
 
-use super::accessors::Wanted;
+use super::accessors::Requirement;
 use super::attributes::VertexReader;
 use super::fault::Faults;
 use crate::formats::error::LoadError;
@@ -12,13 +12,13 @@ use gltf_json::mesh::{Primitive, Semantic};
 use gltf_json::validation::Checked;
 use std::iter::repeat_n;
 
-const JOINTS: Wanted = Wanted {
+const JOINTS: Requirement = Requirement {
     types: &[Type::Vec4],
     components: &[U8, U16],
     expected: "VEC4 of U8 or U16",
     normalizes: false,
 };
-const WEIGHTS: Wanted = Wanted {
+const WEIGHTS: Requirement = Requirement {
     types: &[Type::Vec4],
     components: &[F32, U8, U16],
     expected: "VEC4 of F32, or of normalized U8 or U16",
@@ -35,7 +35,7 @@ pub(super) struct Bound {
 
 /// How many vertices of a primitive have influences that the specification does not allow.
 #[derive(Debug, Default)]
-pub(super) struct Breaches {
+pub(super) struct Violations {
     without_skin: usize,
     without: usize,
     negative: usize,
@@ -51,34 +51,34 @@ struct Set {
 }
 
 /// Adds those of all vertices of a primitive to its mesh. A vertex without weights follows the mesh's node, whose binding `of_node` gives.
-/// `hold` holds how many influences there will be against their ceiling.
+/// `check_limit` checks how many influences there will be.
 pub(super) fn add(
     mesh: &mut MeshDraft,
     primitive: &Primitive,
     read: &VertexReader<'_>,
     bound: &Bound,
     mut of_node: impl FnMut() -> u32,
-    hold: impl FnOnce(usize) -> Result<(), LoadError>,
-) -> Result<Breaches, LoadError> {
+    check_limit: impl FnOnce(usize) -> Result<(), LoadError>,
+) -> Result<Violations, LoadError> {
     let faults = read.accessors.faults;
-    let mut breaches = Breaches::default();
+    let mut violations = Violations::default();
     let sets = sets(faults, primitive, read.path)?;
     let bindings = match &bound.skin {
         Some(bindings) if !sets.is_empty() => bindings,
         skin => {
-            hold(read.count)?;
+            check_limit(read.count)?;
             mesh.influence_counts.extend(repeat_n(1, read.count));
             let whole = (of_node(), 1.0);
             mesh.influences.extend(repeat_n(whole, read.count));
             match skin {
-                Some(_) => breaches.without = read.count,
+                Some(_) => violations.without = read.count,
                 None if sets.is_empty() => {}
-                None => breaches.without_skin = read.count,
+                None => violations.without_skin = read.count,
             }
-            return Ok(breaches);
+            return Ok(violations);
         }
     };
-    hold(4 * sets.len() * read.count)?;
+    check_limit(4 * sets.len() * read.count)?;
     let mut of_sets = Vec::with_capacity(sets.len());
     for set in sets {
         let number = set.number;
@@ -115,17 +115,17 @@ pub(super) fn add(
             mesh.influences.truncate(before);
             mesh.influences.push((of_node(), 1.0));
         }
-        breaches.without += usize::from(sum <= 0.0);
-        breaches.negative += usize::from(is_negative);
-        breaches.repeated += usize::from(is_repeated);
-        breaches.beyond += usize::from(is_beyond);
+        violations.without += usize::from(sum <= 0.0);
+        violations.negative += usize::from(is_negative);
+        violations.repeated += usize::from(is_repeated);
+        violations.beyond += usize::from(is_beyond);
         mesh.influence_counts
             .push((mesh.influences.len() - before) as u32);
     }
-    Ok(breaches)
+    Ok(violations)
 }
 
-impl Breaches {
+impl Violations {
     /// A warning each, of the primitive at `path`.
     pub fn warn(self, faults: Faults<'_>, path: &str, warnings: &mut Warnings) {
         for (count, what) in [

@@ -1,25 +1,17 @@
 //! Lights of the scene (KHR_lights_punctual), which a picture is lit by where its request asks for them. A light that is not as it should be
 //! is left out with a warning: no file is refused for it. Never lives here: where nodes stand.
 
-use super::container;
-use super::extensions::LIGHTS;
+use super::extensions::{LIGHTS, light_of};
 use super::fault::Faults;
-use super::nodes::{Nodes, Place};
+use super::json_fault::problem;
+use super::nodes::{NodeTransform, Nodes};
 use crate::limits::Limits;
 use crate::rig::{FileLight, FileLightKind, LARGEST_COORDINATE, Warnings};
 use glam::Vec3;
-use gltf_json::{Node, Root};
+use gltf_json::Root;
 use serde::Deserialize;
 use serde_json::Value;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
-
-pub(super) fn is_carried_by(node: &Node) -> bool {
-    of_node(node).is_some()
-}
-
-fn of_node(node: &Node) -> Option<&Value> {
-    node.extensions.as_ref()?.others.get(LIGHTS)
-}
 
 /// In the order of the nodes that carry them, as many as a picture may have.
 pub(super) fn read(
@@ -32,7 +24,7 @@ pub(super) fn read(
     let in_scene = root.nodes.iter().enumerate();
     let in_scene = in_scene.filter(|(index, _)| nodes.is_in_scene[*index]);
     let carried: Vec<_> = in_scene
-        .filter_map(|(index, node)| Some((index, of_node(node)?)))
+        .filter_map(|(index, node)| Some((index, light_of(node)?)))
         .collect();
     if carried.is_empty() {
         return Vec::new();
@@ -61,7 +53,7 @@ pub(super) fn read(
             continue;
         };
         let Some(light) = light else { continue };
-        let Some(place) = nodes.place(index).filter(is_usable) else {
+        let Some(transform) = nodes.transform(index).filter(is_usable) else {
             let sentence =
                 format!("{path} is left out: its node stands beyond ±{LARGEST_COORDINATE:e}");
             warnings.push(|| faults.warning(&sentence));
@@ -70,8 +62,8 @@ pub(super) fn read(
         let name = light.name.as_ref().or(root.nodes[index].name.as_ref());
         lights.push(FileLight {
             name: faults.name(name.map(String::as_str), &path, warnings),
-            joint: place.joint,
-            joint_from_light: place.joint_from_node,
+            joint: transform.joint,
+            joint_from_light: transform.joint_from_node,
             kind: light.kind(),
             color: Vec3::from_array(light.color),
             intensity: light.intensity,
@@ -86,8 +78,8 @@ pub(super) fn read(
     lights
 }
 
-fn is_usable(place: &Place) -> bool {
-    let numbers = place.joint_from_node.to_cols_array();
+fn is_usable(transform: &NodeTransform) -> bool {
+    let numbers = transform.joint_from_node.to_cols_array();
     numbers
         .iter()
         .all(|number| number.abs() <= LARGEST_COORDINATE)
@@ -95,10 +87,10 @@ fn is_usable(place: &Place) -> bool {
 
 /// A light as the file describes it.
 #[derive(Deserialize)]
-struct Described {
+struct LightInFile {
     name: Option<String>,
     #[serde(rename = "type")]
-    kind: Kind,
+    kind: LightType,
     #[serde(default = "white")]
     color: [f32; 3],
     #[serde(default = "one")]
@@ -110,7 +102,7 @@ struct Described {
 
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Kind {
+enum LightType {
     Directional,
     Point,
     Spot,
@@ -140,12 +132,12 @@ fn one() -> f64 {
     1.0
 }
 
-impl Described {
+impl LightInFile {
     fn kind(&self) -> FileLightKind {
         match self.kind {
-            Kind::Directional => FileLightKind::Directional,
-            Kind::Point => FileLightKind::Point,
-            Kind::Spot => FileLightKind::Spot {
+            LightType::Directional => FileLightKind::Directional,
+            LightType::Point => FileLightKind::Point,
+            LightType::Spot => FileLightKind::Spot {
                 inner: self.spot.inner_cone_angle,
                 outer: self.spot.outer_cone_angle,
             },
@@ -198,9 +190,9 @@ fn described(
     index: usize,
     light: &Value,
     warnings: &mut Warnings,
-) -> Option<Described> {
+) -> Option<LightInFile> {
     let path = format!("extensions.{LIGHTS}.lights[{index}]");
-    let read = Described::deserialize(light).map_err(|error| container::problem(&error));
+    let read = LightInFile::deserialize(light).map_err(|error| problem(&error));
     let checked = read.and_then(|light| match light.problem() {
         Some(problem) => Err(problem.to_owned()),
         None => Ok(light),

@@ -13,7 +13,7 @@
 
 use super::accessors::Accessors;
 use super::extensions::EMISSIVE_STRENGTH;
-use super::textures::{Named, Textures};
+use super::textures::{TextureRef, Textures};
 use crate::formats::error::{FileFault, LoadError};
 use crate::formats::files::{Files, Gathered};
 use crate::formats::pictures::Alpha;
@@ -23,6 +23,7 @@ use crate::rig::{
 };
 use glam::{Vec3, Vec4};
 use gltf_json::Index;
+use gltf_json::extensions::material::PbrSpecularGlossiness;
 use gltf_json::material::AlphaMode;
 use gltf_json::validation::Checked;
 use serde_json::Value;
@@ -32,6 +33,8 @@ use std::collections::BTreeMap;
 const DIELECTRIC: f32 = 0.04;
 const LEAST_ROUGHNESS: f32 = 0.05;
 const MOST_SHININESS: f32 = 1000.0;
+/// Of colors, scales and cutoffs: far more than any has, and finite after all arithmetic.
+const MOST_FACTOR: f32 = 1e9;
 /// Far more than is needed to be white, and small enough to be multiplied.
 const MOST_EMISSIVE: f32 = 1e9;
 
@@ -132,124 +135,108 @@ impl<'a> Materials<'a> {
         draft: &mut Draft,
     ) -> Result<(), LoadError> {
         let faults = self.textures.accessors.faults;
-        let cutoff = material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
-        let opacity = match material.alpha_mode {
-            Checked::Valid(AlphaMode::Opaque) | Checked::Invalid => Opacity::Opaque,
-            Checked::Valid(AlphaMode::Mask) => Opacity::Mask(cutoff),
-            Checked::Valid(AlphaMode::Blend) => Opacity::Blend,
-        };
-        let alpha = match opacity {
-            Opacity::Opaque => Alpha::Drop,
-            Opacity::Mask(_) | Opacity::Blend => Alpha::Keep,
-        };
-        let rough = &material.pbr_metallic_roughness;
-        let extensions = material.extensions.as_ref();
-        let glossy = extensions.and_then(|it| it.pbr_specular_glossiness.as_ref());
         let name = faults.name(material.name.as_deref(), path, &mut draft.warnings);
-        let mut made = match glossy {
-            Some(glossy) => {
-                let mirrored = Vec3::from_array(glossy.specular_factor.0);
-                let roughness = 1.0 - glossy.glossiness_factor.0;
-                Material {
-                    color: Some(Vec4::from_array(glossy.diffuse_factor.0)),
-                    highlight: Some(highlight(mirrored, roughness)),
-                    ..Material::named(name)
-                }
-            }
-            None => {
-                let color = Vec4::from_array(rough.base_color_factor.0);
-                let [metalness, roughness] = self.mean_of(rough, path, files, draft)?;
-                let metalness = metalness * rough.metallic_factor.0;
-                let roughness = roughness * rough.roughness_factor.0;
-                surface(name, color, metalness, roughness)
-            }
+        let reflection = self.reflection(material, name, path, files, draft)?;
+        let opacity = opacity_of(material);
+        let set = texcoord_set(material);
+        let textures = self.texture_slots(material, opacity, set, path, files, draft)?;
+        let [texture, emissive_texture, normals] = textures;
+        let normal_scale = normal_scale(material);
+        let mut made = Material {
+            texture,
+            emissive: Vec3::from_array(material.emissive_factor.0),
+            emissive_texture,
+            normal_map: normals.map(|place| NormalMap {
+                place,
+                scale: normal_scale,
+            }),
+            opacity,
+            is_single_sided: !material.double_sided,
+            is_unlit: is_unlit(material),
+            ..reflection
         };
-        let of_color = match glossy {
-            Some(glossy) => glossy.diffuse_texture.as_ref(),
-            None => rough.base_color_texture.as_ref(),
-        };
-        let normals = material.normal_texture.as_ref();
-        let normal_scale = normals.map_or(1.0, |normals| normals.scale);
-        let named = [
-            (
-                of_color.map(Named::color),
-                "baseColorTexture",
-                Encoding::Srgb,
-                alpha,
-            ),
-            (
-                material.emissive_texture.as_ref().map(Named::color),
-                "emissiveTexture",
-                Encoding::Srgb,
-                Alpha::Drop,
-            ),
-            (
-                normals.map(Named::normals),
-                "normalTexture",
-                Encoding::Linear,
-                Alpha::Drop,
-            ),
-        ];
-        let set = named
-            .iter()
-            .find_map(|(named, ..)| Some(named.as_ref()?.set));
-        let mut places = Vec::with_capacity(named.len());
-        for (named, role, encoding, alpha) in named {
-            let path = format!("{path}.{role}");
-            let named = named.filter(|named| {
-                let is_laid = Some(named.set) == set;
-                if !is_laid {
-                    let sentence = format!("{path} lies on TEXCOORD_{} and is left out: the material's first texture lies on another", named.set);
-                    draft.warnings.push(|| faults.warning(&sentence));
-                }
-                is_laid
-            });
-            places.push(match named {
-                None => None,
-                Some(named) => self.textures.place(
-                    &named,
-                    (encoding, alpha),
-                    &path,
-                    files,
-                    &mut draft.warnings,
-                )?,
-            });
-        }
-        let [of_color, of_emission, of_normals] = <[_; 3]>::try_from(places).unwrap_or_default();
-        made.texture = of_color;
-        made.emissive = Vec3::from_array(material.emissive_factor.0);
-        made.emissive_texture = of_emission;
-        made.normal_map = of_normals.map(|place| NormalMap {
-            place,
-            scale: normal_scale,
-        });
-        made.opacity = opacity;
-        made.is_single_sided = !material.double_sided;
-        made.is_unlit = extensions.is_some_and(|it| it.unlit.is_some());
-        let numbers = made.color.unwrap_or_default().to_array();
-        let more = [
-            made.emissive.x,
-            made.emissive.y,
-            made.emissive.z,
-            cutoff,
-            normal_scale,
-        ];
-        if !numbers
-            .iter()
-            .chain(&more)
-            .all(|number| number.abs() <= 1e9)
-        {
+        let color = made.color.unwrap_or_default().to_array();
+        let emissive = made.emissive.to_array();
+        let others = [cutoff(material), normal_scale];
+        let mut factors = color.iter().chain(&emissive).chain(&others);
+        if !factors.all(|factor| factor.abs() <= MOST_FACTOR) {
             return Err(faults.load(path, "factors that are finite", "others"));
         }
         let strength = self.emissive_strength(material, path, &mut draft.warnings);
         made.emissive = (made.emissive * strength).min(Vec3::splat(MOST_EMISSIVE));
-        if made.is_unlit && glossy.is_none() {
-            // Nothing is mirrored, so nothing has to stand in for it.
-            made.color = Some(Vec4::from_array(rough.base_color_factor.0));
-        }
         draft.materials.push(made);
         self.sets.push(set);
         Ok(())
+    }
+
+    /// A material with the color and the highlight of this one.
+    fn reflection(
+        &mut self,
+        material: &gltf_json::Material,
+        name: String,
+        path: &str,
+        files: &mut Files<'_>,
+        draft: &mut Draft,
+    ) -> Result<Material, LoadError> {
+        if let Some(glossy) = glossy_of(material) {
+            let mirrored = Vec3::from_array(glossy.specular_factor.0);
+            let roughness = 1.0 - glossy.glossiness_factor.0;
+            return Ok(Material {
+                color: Some(Vec4::from_array(glossy.diffuse_factor.0)),
+                highlight: Some(highlight(mirrored, roughness)),
+                ..Material::named(name)
+            });
+        }
+        let rough = &material.pbr_metallic_roughness;
+        let color = Vec4::from_array(rough.base_color_factor.0);
+        let [metalness, roughness] = self.mean_of(rough, path, files, draft)?;
+        let metalness = metalness * rough.metallic_factor.0;
+        let roughness = roughness * rough.roughness_factor.0;
+        let mut made = surface(name, color, metalness, roughness);
+        if is_unlit(material) {
+            // Nothing is mirrored, so nothing has to stand in for it.
+            made.color = Some(color);
+        }
+        Ok(made)
+    }
+
+    /// The textures of color, emission and normals, of those that lie on a set of texture coordinates.
+    fn texture_slots(
+        &mut self,
+        material: &gltf_json::Material,
+        opacity: Opacity,
+        set: Option<u32>,
+        path: &str,
+        files: &mut Files<'_>,
+        draft: &mut Draft,
+    ) -> Result<[Option<TexturePlace>; 3], LoadError> {
+        let alpha = match opacity {
+            Opacity::Opaque => Alpha::Drop,
+            Opacity::Mask(_) | Opacity::Blend => Alpha::Keep,
+        };
+        let decodings = [
+            ("baseColorTexture", (Encoding::Srgb, alpha)),
+            ("emissiveTexture", (Encoding::Srgb, Alpha::Drop)),
+            ("normalTexture", (Encoding::Linear, Alpha::Drop)),
+        ];
+        let mut slots = [None, None, None];
+        let textures = texture_refs(material).into_iter().zip(decodings);
+        for ((texture, (role, decoding)), slot) in textures.zip(&mut slots) {
+            let Some(texture) = texture else { continue };
+            let path = format!("{path}.{role}");
+            if Some(texture.set) != set {
+                let faults = self.textures.accessors.faults;
+                let sentence = format!(
+                    "{path} lies on TEXCOORD_{} and is left out: the material's first texture lies on another",
+                    texture.set
+                );
+                draft.warnings.push(|| faults.warning(&sentence));
+                continue;
+            }
+            let warnings = &mut draft.warnings;
+            *slot = (self.textures).slot(&texture, decoding, &path, files, warnings)?;
+        }
+        Ok(slots)
     }
 
     /// What multiplies the emissive factor.
@@ -294,8 +281,8 @@ impl<'a> Materials<'a> {
         };
         let path = format!("{path}.metallicRoughnessTexture");
         let decoding = (Encoding::Linear, Alpha::Drop);
-        let place = self.textures.place(
-            &Named::color(info),
+        let place = self.textures.slot(
+            &TextureRef::color(info),
             decoding,
             &path,
             files,
@@ -309,6 +296,56 @@ impl<'a> Materials<'a> {
         let [_, roughness, metalness, _] = mean.unwrap_or([255; 4]);
         Ok([metalness, roughness].map(|it| f32::from(it) / 255.0))
     }
+}
+
+/// The textures that a material names for color, emission and normals.
+fn texture_refs(material: &gltf_json::Material) -> [Option<TextureRef>; 3] {
+    let color = match glossy_of(material) {
+        Some(glossy) => glossy.diffuse_texture.as_ref(),
+        None => (material.pbr_metallic_roughness)
+            .base_color_texture
+            .as_ref(),
+    };
+    [
+        color.map(TextureRef::color),
+        material.emissive_texture.as_ref().map(TextureRef::color),
+        material.normal_texture.as_ref().map(TextureRef::normals),
+    ]
+}
+
+/// The texture coordinates that the first texture of a material lies on.
+fn texcoord_set(material: &gltf_json::Material) -> Option<u32> {
+    let mut textures = texture_refs(material).into_iter().flatten();
+    textures.next().map(|texture| texture.set)
+}
+
+fn glossy_of(material: &gltf_json::Material) -> Option<&PbrSpecularGlossiness> {
+    let extensions = material.extensions.as_ref()?;
+    extensions.pbr_specular_glossiness.as_ref()
+}
+
+fn is_unlit(material: &gltf_json::Material) -> bool {
+    let extensions = material.extensions.as_ref();
+    extensions.is_some_and(|it| it.unlit.is_some())
+}
+
+fn opacity_of(material: &gltf_json::Material) -> Opacity {
+    match material.alpha_mode {
+        Checked::Valid(AlphaMode::Opaque) | Checked::Invalid => Opacity::Opaque,
+        Checked::Valid(AlphaMode::Mask) => Opacity::Mask(cutoff(material)),
+        Checked::Valid(AlphaMode::Blend) => Opacity::Blend,
+    }
+}
+
+fn cutoff(material: &gltf_json::Material) -> f32 {
+    material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0)
+}
+
+fn normal_scale(material: &gltf_json::Material) -> f32 {
+    material
+        .normal_texture
+        .as_ref()
+        .map_or(1.0, |normals| normals.scale)
 }
 
 fn surface(name: String, color: Vec4, metalness: f32, roughness: f32) -> Material {

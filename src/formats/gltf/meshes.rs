@@ -180,12 +180,12 @@ impl MeshReader<'_, '_> {
         self.add_attributes(mesh, primitive, &read, textured)?;
 
         let before = self.totals.influences;
-        let hold = |more: usize| Ok(self.limits.influences(before.saturating_add(more))?);
-        let held = mesh.influences.len();
+        let check_limit = |more: usize| Ok(self.limits.influences(before.saturating_add(more))?);
+        let first_influence = mesh.influences.len();
         let of_node = || self.skins.rigid(bound.joint, self.draft);
-        let breaches = influences::add(mesh, primitive, &read, bound, of_node, hold)?;
-        breaches.warn(faults, path, &mut self.draft.warnings);
-        self.totals.influences += mesh.influences.len() - held;
+        let violations = influences::add(mesh, primitive, &read, bound, of_node, check_limit)?;
+        violations.warn(faults, path, &mut self.draft.warnings);
+        self.totals.influences += mesh.influences.len() - first_influence;
         self.add_displacements(primitive, &read, first as u32, first_morph)?;
         let triangle_count = self.add_triangles(mesh, primitive, mode, &read, first as u32)?;
         mesh.parts.push(PartDraft {

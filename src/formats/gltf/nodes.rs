@@ -1,11 +1,12 @@
-//! The scene graph as a skeleton: every node that matters becomes a joint. Never lives here: what hangs on the nodes.
+//! The scene graph as a skeleton: every node that can move something drawn becomes a joint. Never lives here: what the nodes carry.
 
+use super::extensions::light_of;
 use super::fault::Faults;
-use super::lights;
+use super::joints::joint;
 use crate::formats::error::LoadError;
 use crate::limits::Limits;
-use crate::rig::{JointDraft, Rotation, Warnings};
-use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+use crate::rig::{JointDraft, Warnings};
+use glam::DAffine3;
 use gltf_json::animation::Property;
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Node, Root};
@@ -22,20 +23,20 @@ pub(super) struct Nodes {
     /// By node, whether it belongs to the scene that is drawn.
     pub is_in_scene: Vec<bool>,
     /// Of nodes that are no joints but carry a light, or have one below them.
-    places: BTreeMap<usize, Place>,
+    light_transforms: BTreeMap<usize, NodeTransform>,
     pub forest: Forest,
 }
 
-/// Where a node stands.
+/// Where a node is.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct NodeTransform {
     /// `None` of what stands still.
     pub joint: Option<usize>,
     /// Without a joint it leads to the world.
     pub joint_from_node: DAffine3,
 }
 
-/// How the nodes of a document stand below each other, joints or not.
+/// Which nodes of a document are below which, joints or not.
 #[derive(Debug)]
 pub(super) struct Forest {
     parents: Vec<Option<usize>>,
@@ -99,18 +100,18 @@ impl Nodes {
         let order = depth_first(faults, root, &parents, &roots)?;
         let is_in_scene = in_scene(&parents, &order, &roots);
         let is_lit = leading_to_lights(root, &parents, &order, &is_in_scene);
-        let matters = mattering(faults, root, (&parents, &order), &is_in_scene, &is_lit)?;
+        let is_joint = joint_nodes(faults, root, (&parents, &order), &is_in_scene, &is_lit)?;
         let mut nodes = Self {
             joints: Vec::new(),
             node_of: Vec::new(),
             joint_of: vec![None; root.nodes.len()],
             is_in_scene,
-            places: BTreeMap::new(),
+            light_transforms: BTreeMap::new(),
             forest: Forest::new(parents, &order),
         };
         for node in order {
             let parent = nodes.forest.parents[node];
-            if !matters[node] {
+            if !is_joint[node] {
                 if is_lit[node] {
                     nodes.place_light(faults, root, node, parent, warnings);
                 }
@@ -126,15 +127,15 @@ impl Nodes {
     }
 
     /// Of a node that is a joint or leads to a light; `None` where numbers of it or above it are not finite.
-    pub fn place(&self, node: usize) -> Option<Place> {
-        let joint = self.joint_of[node].map(|joint| Place {
+    pub fn transform(&self, node: usize) -> Option<NodeTransform> {
+        let joint = self.joint_of[node].map(|joint| NodeTransform {
             joint: Some(joint),
             joint_from_node: DAffine3::IDENTITY,
         });
-        joint.or_else(|| self.places.get(&node).copied())
+        joint.or_else(|| self.light_transforms.get(&node).copied())
     }
 
-    /// Nobody needs a node whose light cannot be placed, so that is no fault.
+    /// A light whose node has no usable transform is left out, so that is no fault.
     fn place_light(
         &mut self,
         faults: Faults<'_>,
@@ -144,11 +145,11 @@ impl Nodes {
         warnings: &mut Warnings,
     ) {
         let above = match parent {
-            None => Some(Place {
+            None => Some(NodeTransform {
                 joint: None,
                 joint_from_node: DAffine3::IDENTITY,
             }),
-            Some(parent) => self.place(parent),
+            Some(parent) => self.transform(parent),
         };
         let own = joint(faults, node, &root.nodes[node], None, warnings).ok();
         if let (Some(above), Some(own)) = (above, own) {
@@ -157,11 +158,11 @@ impl Nodes {
                 own.rest_rotation.quaternion(own.rotation_order),
                 own.offset,
             );
-            let place = Place {
+            let transform = NodeTransform {
                 joint: above.joint,
                 joint_from_node: above.joint_from_node * parent_from_node,
             };
-            self.places.insert(node, place);
+            self.light_transforms.insert(node, transform);
         }
     }
 }
@@ -205,7 +206,7 @@ fn depth_first(
             open.extend(children.rev().map(Index::value));
         }
     }
-    // Each node has one parent at most, so those that no root leads to hang on one another in rings.
+    // Each node has one parent at most, so those that no root leads to are below one another in rings.
     match is_met.iter().position(|is_met| !is_met) {
         Some(node) => {
             let path = format!("nodes[{node}]");
@@ -261,20 +262,20 @@ fn in_scene(parents: &[Option<usize>], order: &[usize], scene_roots: &[usize]) -
 }
 
 /// By node, whether it is to be a joint.
-fn mattering(
+fn joint_nodes(
     faults: Faults<'_>,
     root: &Root,
     (parents, order): (&[Option<usize>], &[usize]),
     is_in_scene: &[bool],
     is_lit: &[bool],
 ) -> Result<Vec<bool>, LoadError> {
-    let mut matters: Vec<bool> = root
+    let mut is_joint: Vec<bool> = root
         .nodes
         .iter()
         .map(|node| !only_looks_or_lights(node))
         .collect();
-    for (matters, is_in_scene) in matters.iter_mut().zip(is_in_scene) {
-        *matters &= is_in_scene;
+    for (is_joint, is_in_scene) in is_joint.iter_mut().zip(is_in_scene) {
+        *is_joint &= is_in_scene;
     }
     // A light that an animation moves needs something to be moved by.
     for channel in root.animations.iter().flat_map(|it| &it.channels) {
@@ -282,7 +283,7 @@ fn mattering(
         let moves =
             matches!(channel.target.path, Checked::Valid(it) if it != Property::MorphTargetWeights);
         if moves && is_lit.get(node) == Some(&true) {
-            matters[node] = true;
+            is_joint[node] = true;
         }
     }
     let mut is_known = vec![false; root.skins.len()];
@@ -301,16 +302,16 @@ fn mattering(
         for (place, joint) in of_skin.joints.iter().enumerate() {
             let path = format!("skins[{}].joints[{place}]", skin.value());
             faults.get(&root.nodes, "nodes", *joint, &path)?;
-            matters[joint.value()] = true;
+            is_joint[joint.value()] = true;
         }
     }
-    // What moves something that matters does so too.
+    // What moves a joint is one too.
     for &node in order.iter().rev() {
-        if let Some(parent) = parents[node].filter(|_| matters[node]) {
-            matters[parent] = true;
+        if let Some(parent) = parents[node].filter(|_| is_joint[node]) {
+            is_joint[parent] = true;
         }
     }
-    Ok(matters)
+    Ok(is_joint)
 }
 
 /// By node, whether it carries a light of the scene or is above one.
@@ -322,7 +323,7 @@ fn leading_to_lights(
 ) -> Vec<bool> {
     let mut leads = vec![false; root.nodes.len()];
     for &node in order.iter().rev() {
-        leads[node] |= is_in_scene[node] && lights::is_carried_by(&root.nodes[node]);
+        leads[node] |= is_in_scene[node] && light_of(&root.nodes[node]).is_some();
         if let Some(parent) = parents[node].filter(|_| leads[node]) {
             leads[parent] = true;
         }
@@ -331,119 +332,5 @@ fn leading_to_lights(
 }
 
 fn only_looks_or_lights(node: &Node) -> bool {
-    (node.camera.is_some() || lights::is_carried_by(node)) && node.mesh.is_none()
-}
-
-/// Whether it is of length 1 as far as quaternions of bytes can be, which the Khronos validator allows too.
-pub(super) fn is_unit(quaternion: DQuat) -> bool {
-    /// Four times half a step of 1/127, and a little.
-    const TOLERANCE: f64 = 0.00769;
-    (quaternion.length() - 1.0).abs() <= TOLERANCE
-}
-
-fn joint(
-    faults: Faults<'_>,
-    index: usize,
-    node: &Node,
-    parent: Option<usize>,
-    warnings: &mut Warnings,
-) -> Result<JointDraft, LoadError> {
-    let path = format!("nodes[{index}]");
-    let vector = |vector: [f32; 3]| DVec3::from_array(vector.map(f64::from));
-    let (scale, rotation, translation) = match node.matrix {
-        Some(matrix) => {
-            if node.translation.is_some() || node.rotation.is_some() || node.scale.is_some() {
-                let sentence = format!(
-                    "{path} has a matrix, beside which its translation, rotation and scale are left out"
-                );
-                warnings.push(|| faults.warning(&sentence));
-            }
-            let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
-            if !matrix.is_finite() {
-                let path = format!("{path}.matrix");
-                return Err(faults.load(&path, "finite numbers", "others"));
-            }
-            decomposed(faults, &path, matrix, warnings)
-        }
-        None => {
-            let given = node.rotation.unwrap_or_default().0.map(f64::from);
-            // Its largest number is made 1 first: the square of a length can vanish or overflow where the length does not.
-            let largest = given
-                .iter()
-                .fold(0.0f64, |largest, it| largest.max(it.abs()));
-            let quaternion = DQuat::from_array(given.map(|it| it / largest));
-            let is_rotation = largest > 0.0 && quaternion.is_finite();
-            if !is_rotation {
-                warnings.push(|| {
-                    faults.warning(&format!("{path}.rotation is no rotation and left out"))
-                });
-            }
-            if is_rotation && !is_unit(DQuat::from_array(given)) {
-                let sentence = format!("{path}.rotation is no unit quaternion and is made one");
-                warnings.push(|| faults.warning(&sentence));
-            }
-            let rotation = if is_rotation {
-                quaternion.normalize()
-            } else {
-                DQuat::IDENTITY
-            };
-            (
-                node.scale.map_or(DVec3::ONE, vector),
-                rotation,
-                node.translation.map_or(DVec3::ZERO, vector),
-            )
-        }
-    };
-    if !(scale.is_finite() && translation.is_finite()) {
-        return Err(faults.load(&path, "a finite translation and scale", "another"));
-    }
-    Ok(JointDraft {
-        name: faults.name(node.name.as_deref(), &path, warnings),
-        parent,
-        offset: translation,
-        rest_rotation: Rotation::Quaternion(rotation),
-        rest_scale: scale,
-        translates: true,
-        scales: true,
-        ..JointDraft::default()
-    })
-}
-
-/// Scale, rotation and translation. What they cannot express is left out with a warning.
-fn decomposed(
-    faults: Faults<'_>,
-    path: &str,
-    matrix: DMat4,
-    warnings: &mut Warnings,
-) -> (DVec3, DQuat, DVec3) {
-    let columns = DMat3::from_mat4(matrix);
-    let lengths = [columns.x_axis, columns.y_axis, columns.z_axis].map(DVec3::length);
-    let mirrored = if columns.determinant() < 0.0 {
-        -1.0
-    } else {
-        1.0
-    };
-    let scale = DVec3::new(lengths[0] * mirrored, lengths[1], lengths[2]);
-    let turn = DMat3::from_cols(
-        columns.x_axis / scale.x,
-        columns.y_axis / scale.y,
-        columns.z_axis / scale.z,
-    );
-    let rotation = DQuat::from_mat3(&turn);
-    let rotation = if rotation.is_finite() && rotation.length() > 0.0 {
-        rotation.normalize()
-    } else {
-        DQuat::IDENTITY
-    };
-    let back = DMat3::from_quat(rotation) * DMat3::from_diagonal(scale);
-    // As much as float32 leaves of a rotation.
-    let tolerance = 1e-4 * scale.abs().max_element();
-    let is_affine = matrix.row(3) == glam::DVec4::W;
-    if !is_affine || !back.abs_diff_eq(columns, tolerance) {
-        warnings.push(|| {
-            let shear = "is no translation, rotation and scale; what else it is is left out";
-            faults.warning(&format!("{path}.matrix {shear}"))
-        });
-    }
-    (scale, rotation, matrix.w_axis.truncate())
+    (node.camera.is_some() || light_of(node).is_some()) && node.mesh.is_none()
 }

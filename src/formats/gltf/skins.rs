@@ -1,6 +1,6 @@
 //! Skins as bindings. Never lives here: which vertices follow them.
 
-use super::accessors::{Accessors, Wanted};
+use super::accessors::{Accessors, Requirement};
 use super::nodes::Nodes;
 use crate::formats::error::LoadError;
 use crate::rig::{BindPose, BindingDraft, Draft, Warnings};
@@ -9,7 +9,7 @@ use gltf_json::accessor::{ComponentType, Type};
 use gltf_json::{Index, Skin};
 use std::collections::HashMap;
 
-const MATRICES: Wanted = Wanted {
+const MATRICES: Requirement = Requirement {
     types: &[Type::Mat4],
     components: &[ComponentType::F32],
     expected: "MAT4 of F32",
@@ -61,15 +61,15 @@ impl<'a> Skins<'a> {
                 let found = format!("node {} again", node.value());
                 return Err(faults.load(&path, "each joint once", found));
             }
-            // All joints of skins that are drawn are among the nodes that matter.
+            // All joints of skins that are drawn are joints of the skeleton.
             let joint = nodes.joint_of[node.value()];
             let joint =
                 joint.ok_or_else(|| faults.load(&path, "a node of the scene", "another"))?;
             let joint_from_bind = matrices.as_ref();
             let joint_from_bind =
                 joint_from_bind.map_or(DMat4::IDENTITY, |matrices| in_f64(&matrices[place]));
-            if let Some(breach) = breach(joint_from_bind) {
-                let sentence = format!("{path}: its inverse bind matrix {breach}");
+            if let Some(violation) = violation(joint_from_bind) {
+                let sentence = format!("{path}: its inverse bind matrix {violation}");
                 draft.warnings.push(|| faults.warning(&sentence));
             }
             bindings.push(self.binding(joint, DAffine3::from_mat4(joint_from_bind), draft));
@@ -105,8 +105,8 @@ impl<'a> Skins<'a> {
             let wrong = match self.matrices(skin, &path) {
                 Ok(matrices) => {
                     let mut matrices = matrices.iter().flatten();
-                    let breach = matrices.find_map(|matrix| breach(in_f64(matrix)));
-                    breach.map(|breach| format!("an inverse bind matrix {breach}"))
+                    let violation = matrices.find_map(|matrix| violation(in_f64(matrix)));
+                    violation.map(|violation| format!("an inverse bind matrix {violation}"))
                 }
                 Err(LoadError::Invalid(fault)) => Some(format!(
                     "expected {}, but found {}",
@@ -132,8 +132,9 @@ impl<'a> Skins<'a> {
             .map(f64::to_bits);
         *self.known.entry((joint, bits)).or_insert_with(|| {
             draft.bindings.push(BindingDraft {
+                file: None,
                 joint: Some(joint),
-                stood: BindPose::JointFromBind(joint_from_bind),
+                bind_pose: BindPose::JointFromBind(joint_from_bind),
             });
             draft.bindings.len() as u32 - 1
         })
@@ -145,7 +146,7 @@ fn in_f64(matrix: &[f32; 16]) -> DMat4 {
 }
 
 /// What is wrong with an inverse bind matrix, all of which are worked with.
-fn breach(joint_from_bind: DMat4) -> Option<&'static str> {
+fn violation(joint_from_bind: DMat4) -> Option<&'static str> {
     /// Of unit columns, what rounding to f32 can leave of a determinant that is 0.
     const TOLERANCE: f64 = 1e-6;
     if joint_from_bind.row(3) != DVec4::W {

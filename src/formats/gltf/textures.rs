@@ -1,11 +1,12 @@
 //! Textures of materials: which picture, how it is decoded, and how it lies. Never lives here: what a material does with one.
 
 use super::accessors::Accessors;
-use super::buffers::{self, Bytes};
+use super::buffers;
+use super::bytes::Bytes;
 use crate::formats::error::{LoadError, quoted};
 use crate::formats::files::{Files, Gathered};
+use crate::formats::names::base_name;
 use crate::formats::pictures::{Alpha, Decoder};
-use crate::formats::recognise::base_name;
 use crate::limits::Limits;
 use crate::rig::{Encoding, Texture, TexturePlace, TextureTransform, Warnings, Wrap};
 use glam::Vec2;
@@ -34,7 +35,7 @@ pub(super) struct Textures<'a> {
 }
 
 /// A texture that a material names, in the words of the file.
-pub(super) struct Named {
+pub(super) struct TextureRef {
     texture: Index<gltf_json::Texture>,
     /// Of texture coordinates.
     pub set: u32,
@@ -52,10 +53,10 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// Where a texture lies. `None` where its picture cannot be had.
-    pub fn place(
+    /// A texture and how it is laid on a surface. `None` where its picture cannot be had.
+    pub fn slot(
         &mut self,
-        named: &Named,
+        named: &TextureRef,
         (encoding, alpha): Decoding,
         path: &str,
         files: &mut Files<'_>,
@@ -127,15 +128,16 @@ impl<'a> Textures<'a> {
         let Some(of_file) = root.images.get(index) else {
             return;
         };
-        let told = of_file.mime_type.as_ref().map(|it| it.0.as_str());
-        let told = told.or(of_file.uri.as_deref().and_then(buffers::media_type));
+        let declared = of_file.mime_type.as_ref().map(|it| it.0.as_str());
+        let declared = declared.or(of_file.uri.as_deref().and_then(buffers::media_type));
         let found = image::guess_format(bytes).ok();
         let found = found.map(|format| format.to_mime_type());
-        if let (Some(told), Some(found)) = (told, found.filter(|it| told != Some(*it))) {
-            let told = quoted(told);
+        if let (Some(declared), Some(found)) = (declared, found.filter(|it| declared != Some(*it)))
+        {
+            let declared = quoted(declared);
             warnings.push(|| {
                 faults.warning(&format!(
-                    "images[{index}] is called {told}, but is `{found}`"
+                    "images[{index}] is called {declared}, but is `{found}`"
                 ))
             });
         }
@@ -160,12 +162,12 @@ impl<'a> Textures<'a> {
         };
         match (&of_file.uri, of_file.buffer_view) {
             (_, Some(view)) => {
-                let bytes = buffers.view(root, view, &format!("{own}.bufferView"))?.0;
-                Ok(Ok((Bytes::Here(bytes), format!("image_{index}"))))
+                let view = buffers.view(root, view, &format!("{own}.bufferView"))?;
+                Ok(Ok((view.bytes, format!("image_{index}"))))
             }
             (Some(uri), None) => {
                 match buffers::open(faults, &format!("{own}.uri"), uri, self.from, files) {
-                    Ok(bytes) => Ok(Ok((Bytes::Decoded(bytes), name_of(uri, index)))),
+                    Ok(bytes) => Ok(Ok((Bytes::Shared(bytes), name_of(uri, index)))),
                     Err(LoadError::Invalid(fault)) => {
                         Ok(Err(format!("{}: {}", fault.expected, fault.found)))
                     }
@@ -196,7 +198,7 @@ impl<'a> Textures<'a> {
     }
 }
 
-impl Named {
+impl TextureRef {
     pub fn color(info: &gltf_json::texture::Info) -> Self {
         let transform = info
             .extensions

@@ -1,9 +1,9 @@
 //! Choices of materials (KHR_materials_variants), which a frame request may name. What is not as it should be is left out with a warning: no
 //! file is refused for it. Never lives here: materials.
 
-use super::container;
 use super::extensions::VARIANTS;
 use super::fault::Faults;
+use super::json_fault::problem;
 use crate::rig::{Draft, Warnings};
 use gltf_json::Root;
 use gltf_json::mesh::Primitive;
@@ -71,7 +71,7 @@ impl<'a> Variants<'a> {
         let mappings = match OfPrimitive::deserialize(extension) {
             Ok(OfPrimitive { mappings }) => mappings,
             Err(error) => {
-                leave_out(&path, &container::problem(&error));
+                leave_out(&path, &problem(&error));
                 return Vec::new();
             }
         };

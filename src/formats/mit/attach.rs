@@ -6,62 +6,55 @@
 //! row    := weight*                    on a line of its own, one for each joint but the root; empty lines do not count
 //! ```
 
+use crate::formats::contribution::{KnownMesh, KnownSkeleton, Weights};
 use crate::formats::error::{FileFault, LoadError};
-use crate::formats::lexer::{Lexer, Token};
+use crate::formats::text::lexer::{Lexer, Token};
 use crate::limits::Limits;
+use crate::rig::{BindPose, BindingDraft, JointDraft};
+use glam::{DAffine3, DVec3};
 
-/// What the weights are for: nothing in the file names it.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::formats) struct AttachedTo<'a> {
-    pub mesh_file: &'a str,
-    pub vertex_count: usize,
-    pub skeleton_file: &'a str,
-    pub joint_count: usize,
-}
-
-/// As in [`MeshDraft`](crate::rig::MeshDraft), but with joints in the place of bindings. No weight is 0 or less.
-#[derive(Debug, Default, PartialEq)]
-pub(in crate::formats) struct Attachments {
-    /// One for each vertex.
-    pub influence_counts: Vec<u32>,
-    /// `(joint, weight)` of every vertex, one vertex after another.
-    pub influences: Vec<(u32, f64)>,
-}
-
+/// One binding for each joint; no weight is 0 or less.
+///
 /// # Errors
 /// [`LoadError::Invalid`] at the word or line end that does not fit, [`LoadError::Limit`] at the first influence too many.
-pub(in crate::formats) fn read(
+pub(super) fn read(
     lexer: Lexer,
-    to: AttachedTo,
+    mesh: KnownMesh,
+    skeleton: KnownSkeleton,
     limits: &Limits,
-) -> Result<Attachments, LoadError> {
+) -> Result<Weights, LoadError> {
     let mut reader = Reader {
         lexer,
-        to,
+        mesh,
+        skeleton,
         limits,
-        attachments: Attachments::default(),
+        weights: Weights {
+            bindings: bindings(skeleton.joints),
+            ..Weights::default()
+        },
     };
     reader.read_rows()?;
-    Ok(reader.attachments)
+    Ok(reader.weights)
 }
 
 struct Reader<'a> {
     lexer: Lexer<'a>,
-    to: AttachedTo<'a>,
+    mesh: KnownMesh<'a>,
+    skeleton: KnownSkeleton<'a>,
     limits: &'a Limits,
-    attachments: Attachments,
+    weights: Weights,
 }
 
 impl<'a> Reader<'a> {
     fn read_rows(&mut self) -> Result<(), LoadError> {
         let mut first = self.lexer.next();
-        if self.to.joint_count < 2 {
-            // Its rows would be empty, and could not be told from lines that do not count.
+        if self.skeleton.joints.len() < 2 {
+            // Its rows would be empty, like lines that do not count.
             let expected = "a skeleton with joints besides its root";
-            let found = format!("`{}` without any", self.to.skeleton_file);
+            let found = format!("`{}` without any", self.skeleton.file);
             return Err(self.lexer.fault_found(first, expected, found).into());
         }
-        for vertex in 0..self.to.vertex_count {
+        for vertex in 0..self.mesh.vertex_count {
             if first.is_end() {
                 let found = format!("the end of the file after {vertex}");
                 let rows = self.rows_expected();
@@ -78,9 +71,9 @@ impl<'a> Reader<'a> {
 
     /// Takes the whole line, of which `word` is the first.
     fn read_row(&mut self, mut word: Token<'a>, vertex: usize) -> Result<(), LoadError> {
-        let influences = &mut self.attachments.influences;
+        let influences = &mut self.weights.influences;
         let kept_before = influences.len();
-        for joint in 1..self.to.joint_count {
+        for joint in 1..self.skeleton.joints.len() {
             if word.ends_line() {
                 return Err(self.wrong_length(word, vertex, joint - 1).into());
             }
@@ -99,16 +92,16 @@ impl<'a> Reader<'a> {
         }
         if !word.ends_line() {
             let surplus = self.words_to_line_end(word);
-            let found = self.to.joint_count - 1 + surplus;
+            let found = self.skeleton.joints.len() - 1 + surplus;
             return Err(self.wrong_length(word, vertex, found).into());
         }
         let kept = influences.len() - kept_before;
-        self.attachments.influence_counts.push(kept as u32);
+        self.weights.influence_counts.push(kept as u32);
         Ok(())
     }
 
     fn wrong_length(&self, place: Token, vertex: usize, found: usize) -> FileFault {
-        let (weights, file) = (self.to.joint_count - 1, self.to.skeleton_file);
+        let (weights, file) = (self.skeleton.joints.len() - 1, self.skeleton.file);
         let expected = format!(
             "{weights} weights {}, one for each joint of `{file}` but the root",
             in_vertex(vertex)
@@ -117,12 +110,12 @@ impl<'a> Reader<'a> {
     }
 
     fn rows_expected(&self) -> String {
-        let (rows, file) = (self.to.vertex_count, self.to.mesh_file);
+        let (rows, file) = (self.mesh.vertex_count, self.mesh.file);
         format!("{rows} rows, one for each vertex of `{file}`")
     }
 
     fn too_many_rows(&mut self, first: Token<'a>) -> FileFault {
-        let mut rows = self.to.vertex_count;
+        let mut rows = self.mesh.vertex_count;
         let mut word = first;
         while !word.is_end() {
             rows += 1;
@@ -146,4 +139,26 @@ impl<'a> Reader<'a> {
 
 fn in_vertex(vertex: usize) -> String {
     format!("in vertex {vertex}")
+}
+
+/// The bind poses of the course's meshes: each joint where it is when nothing is turned, one binding per joint.
+/// Parents stand before their children, as [`skel::read`](super::skel::read) gives them.
+pub(super) fn bindings(joints: &[JointDraft]) -> Vec<BindingDraft> {
+    let mut positions_in_bind: Vec<DVec3> = Vec::with_capacity(joints.len());
+    for joint in joints {
+        let parent_position_in_bind = joint
+            .parent
+            .map_or(DVec3::ZERO, |parent| positions_in_bind[parent]);
+        positions_in_bind.push(parent_position_in_bind + joint.offset);
+    }
+    let binding = |(joint, position_in_bind)| BindingDraft {
+        file: None,
+        joint: Some(joint),
+        bind_pose: BindPose::BindFromJoint(DAffine3::from_translation(position_in_bind)),
+    };
+    positions_in_bind
+        .into_iter()
+        .enumerate()
+        .map(binding)
+        .collect()
 }

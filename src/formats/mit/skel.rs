@@ -9,7 +9,7 @@
 //! alone, which is the root; `x y z` is from the parent's origin. Names are one student's extension.
 
 use crate::formats::error::{FileFault, LoadError};
-use crate::formats::lexer::{Lexer, Token, parse_number};
+use crate::formats::text::lexer::{Lexer, Token, parse_number};
 use crate::limits::Limits;
 use crate::rig::{Axis, JointDraft, RotationOrder, Warnings};
 use glam::DVec3;
@@ -18,7 +18,7 @@ use glam::DVec3;
 ///
 /// # Errors
 /// [`LoadError::Invalid`] at the first word that does not fit, [`LoadError::Limit`] at the first joint too many.
-pub(in crate::formats) fn read(
+pub(super) fn read(
     lexer: Lexer,
     limits: &Limits,
     warnings: &mut Warnings,

@@ -1,8 +1,10 @@
 //! Skeletons and attachments on small files, and all three readers on the course's own where they are at hand.
 
-use super::attach::{self, AttachedTo, Attachments};
-use super::{bindings, obj, skel};
-use crate::formats::lexer::Lexer;
+use super::attach::{self, bindings};
+use super::skel;
+use crate::formats::contribution::{KnownMesh, KnownSkeleton, Weights};
+use crate::formats::text::lexer::Lexer;
+use crate::formats::{FileRef, Source, load};
 use crate::limits::Limits;
 use crate::rig::{BindPose, BindingDraft, JointDraft, Limit, Rotation, RotationOrder, Warnings};
 use glam::DVec3;
@@ -18,18 +20,20 @@ fn skel(text: &str) -> Result<(Vec<JointDraft>, Vec<String>), String> {
     .map_err(|error| error.to_string())
 }
 
-fn attach_with(joint_count: usize, text: &str, limits: &Limits) -> Result<Attachments, String> {
-    let to = AttachedTo {
-        mesh_file: "a.obj",
+fn attach_with(joint_count: usize, text: &str, limits: &Limits) -> Result<Weights, String> {
+    let mesh = KnownMesh {
+        file: "a.obj",
         vertex_count: 3,
-        skeleton_file: "a.skel",
-        joint_count,
+    };
+    let skeleton = KnownSkeleton {
+        file: "a.skel",
+        joints: &vec![JointDraft::default(); joint_count],
     };
     let lexer = Lexer::new("a.attach", text);
-    attach::read(lexer, to, limits).map_err(|error| error.to_string())
+    attach::read(lexer, mesh, skeleton, limits).map_err(|error| error.to_string())
 }
 
-fn attach(text: &str) -> Result<Attachments, String> {
+fn attach(text: &str) -> Result<Weights, String> {
     attach_with(3, text, &Limits::default())
 }
 
@@ -69,11 +73,11 @@ fn joints_turn_freely_about_z_first_and_only_the_root_moves() {
 }
 
 #[test]
-fn bindings_stand_where_the_joints_are_when_nothing_is_turned() {
+fn bind_poses_are_where_the_joints_are_when_nothing_is_turned() {
     let (joints, _) = skel("1 2 3 -1\n10 0 0 0\n0 10 0 0\n0 0 10 1\n").expect("it is a skeleton");
     let found: Vec<_> = bindings(&joints)
         .iter()
-        .map(|binding| (binding.joint, stood(binding).translation))
+        .map(|binding| (binding.joint, bind_pose(binding).translation))
         .collect();
     let wanted = [
         [1.0, 2.0, 3.0],
@@ -86,7 +90,7 @@ fn bindings_stand_where_the_joints_are_when_nothing_is_turned() {
         .collect();
     assert_eq!(found, wanted);
     for binding in bindings(&joints) {
-        assert_eq!(stood(&binding).matrix3, glam::DMat3::IDENTITY);
+        assert_eq!(bind_pose(&binding).matrix3, glam::DMat3::IDENTITY);
     }
 }
 
@@ -218,11 +222,11 @@ fn columns_are_joints_from_the_second_on_and_zeroes_are_left_out() {
         "0.25 .75 \n0 -0.000\n0 2e-45\n",
         "\n\r\n.25\t0.75\r\r\n0 0\r0 2e-45",
     ] {
-        let wanted = Attachments {
-            influence_counts: vec![2, 0, 1],
-            influences: vec![(1, 0.25), (2, 0.75), (2, 2e-45)],
-        };
-        assert_eq!(attach(text), Ok(wanted), "{text:?}");
+        let found = attach(text).expect(text);
+        assert_eq!(found.influence_counts, [2, 0, 1], "{text:?}");
+        let wanted = [(1, 0.25), (2, 0.75), (2, 2e-45)];
+        assert_eq!(found.influences, wanted, "{text:?}");
+        assert_eq!(found.bindings.len(), 3);
     }
 }
 
@@ -266,7 +270,8 @@ fn what_is_wrong_in_attachments_is_told_where_it_is() {
             "2:3: expected a weight that is not negative in vertex 1, but found `-1e-9`",
         ),
     ] {
-        assert_eq!(attach(text), Err(format!("a.attach:{wanted}")), "{text:?}");
+        let found = attach(text).map(drop);
+        assert_eq!(found, Err(format!("a.attach:{wanted}")), "{text:?}");
     }
 }
 
@@ -275,7 +280,7 @@ fn a_root_alone_has_nothing_to_attach_to() {
     for joint_count in [0, 1] {
         let wanted = "a.attach:2:1: expected a skeleton with joints besides its root, but found `a.skel` without any";
         let found = attach_with(joint_count, "\n1 0", &Limits::default());
-        assert_eq!(found, Err(wanted.to_owned()));
+        assert_eq!(found.map(drop), Err(wanted.to_owned()));
     }
 }
 
@@ -289,61 +294,59 @@ fn attachments_stop_at_the_first_influence_too_many() {
     assert!(attach_with(3, all, &limits).is_ok());
     let wanted = "4 exceeds the limit `influences` of 3";
     let found = attach_with(3, "1 1\n0 1\n1 never read", &limits);
-    assert_eq!(found, Err(wanted.to_owned()));
-}
-
-/// A file of the course, which is not ours to bring along.
-fn course_file(name: &str) -> Option<String> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/rigs/mit6837");
-    let text = std::fs::read_to_string(format!("{folder}/{name}")).ok();
-    if text.is_none() {
-        println!("skipped: {folder}/{name} is not here");
-    }
-    text
+    assert_eq!(found.map(drop), Err(wanted.to_owned()));
 }
 
 #[test]
 fn the_courses_own_models_are_read_whole() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/rigs/mit6837");
+    if !std::path::Path::new(folder).exists() {
+        println!("skipped: {folder} is not here");
+        return;
+    }
+    let limits = Limits::default();
     for (model, most_influences) in [("Model1", 13), ("Model3", 11)] {
-        let [skeleton, mesh, attachments] =
-            ["skel", "obj", "attach"].map(|kind| course_file(&format!("{model}.{kind}")));
-        let (Some(skeleton), Some(mesh), Some(attachments)) = (skeleton, mesh, attachments) else {
-            return;
-        };
-        let (limits, mut warnings) = (Limits::default(), Warnings::default());
-        let (joints, _) = skel(&skeleton).expect("it is a skeleton");
-        let obj = obj::read("a.obj", &mesh, &limits, &mut warnings).expect("it is a mesh");
-        let mesh = obj.mesh;
-        let to = AttachedTo {
-            mesh_file: "a.obj",
-            vertex_count: mesh.positions.len(),
-            skeleton_file: "a.skel",
-            joint_count: joints.len(),
-        };
-        let lexer = Lexer::new("a.attach", &attachments);
-        let found = attach::read(lexer, to, &limits).expect("it fits the mesh");
-
-        let counts = [joints.len(), mesh.positions.len(), mesh.triangles.len()];
+        let path = |extension: &str| format!("{folder}/{model}.{extension}");
+        let files = ["skel", "obj", "attach"].map(|it| FileRef::Path(path(it)));
+        let rig = load(&files, &Source::local(), &limits)
+            .expect("it is whole")
+            .rig;
+        let counts = [
+            rig.skeleton().joints().len(),
+            rig.vertex_count(),
+            rig.triangle_count(),
+        ];
         assert_eq!(counts, [18, 13_336, 26_668], "{model}");
-        assert!(mesh.normals.is_none() && mesh.texcoords.is_none());
+        assert!(rig.meshes()[0].texcoords().is_none());
+        assert_eq!(rig.warnings(), [""; 0]);
+
+        // The rig has weights divided by their sum; the files have four decimals of each.
+        let text = std::fs::read_to_string(path("attach")).expect("it was read before");
+        let mesh = KnownMesh {
+            file: "a.obj",
+            vertex_count: counts[1],
+        };
+        let skeleton = KnownSkeleton {
+            file: "a.skel",
+            joints: &vec![JointDraft::default(); counts[0]],
+        };
+        let lexer = Lexer::new("a.attach", &text);
+        let found = attach::read(lexer, mesh, skeleton, &limits).expect("it fits the mesh");
         let most = found.influence_counts.iter().max();
         assert_eq!(most, Some(&most_influences), "{model}");
-        let mut first = 0;
+        let mut influences = found.influences.iter();
         for &count in &found.influence_counts {
-            let of_vertex = &found.influences[first..first + count as usize];
-            first += count as usize;
-            // The files have four decimals of each weight.
-            let sum: f64 = of_vertex.iter().map(|(_, weight)| weight).sum();
+            let of_vertex = influences.by_ref().take(count as usize);
+            let sum: f64 = of_vertex.map(|(_, weight)| weight).sum();
             assert!((sum - 1.0).abs() < 5e-4, "{model}: {sum}");
         }
-        assert_eq!(first, found.influences.len());
-        assert_eq!(warnings.into_sentences(), [""; 0]);
+        assert_eq!(influences.next(), None);
     }
 }
 
-fn stood(binding: &BindingDraft) -> glam::DAffine3 {
-    match binding.stood {
+fn bind_pose(binding: &BindingDraft) -> glam::DAffine3 {
+    match binding.bind_pose {
         BindPose::BindFromJoint(bind_from_joint) => bind_from_joint,
-        BindPose::JointFromBind(_) => panic!("the course has joints as they stood"),
+        BindPose::JointFromBind(_) => panic!("the course gives no inverse bind matrices"),
     }
 }

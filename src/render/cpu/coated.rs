@@ -280,10 +280,11 @@ fn held(number: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{Random, levels};
+    use super::super::tests::levels;
     use super::super::{Cores, Cpu, Spread};
     use crate::limits::Limits;
     use crate::pose::{Pose, Posed, Skinning};
+    use crate::random::Random;
     use crate::render::Plan;
     use crate::rig::{
         Draft, Encoding, Material, MeshDraft, NormalMap, Opacity, PartDraft, Texture, TextureLevel,
@@ -336,7 +337,7 @@ mod tests {
         ];
         let count = 60 * materials.len();
         let mut vectors = |length: usize| -> Vec<Vec3> {
-            let vector = |_| Vec3::from_array([0; 3].map(|_| 2.0 * random.unit() - 1.0));
+            let vector = |_| Vec3::from_array([0; 3].map(|_| random.within(1.0) as f32));
             (0..length).map(vector).collect()
         };
         let corners = 3 * count;

@@ -11,6 +11,7 @@ use super::{Cores, Cpu, Spread};
 use crate::frame::Outputs;
 use crate::limits::Limits;
 use crate::pose::{Pose, Posed, Skinning};
+use crate::random::Random;
 use crate::render::Plan;
 use crate::rig::{Draft, MeshDraft};
 use crate::scene::{
@@ -25,26 +26,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 const PATTERNS: [Pattern; 2] = [Pattern::of(Samples::One), Pattern::of(Samples::Four)];
 
-/// A linear congruential generator: the same numbers in every run.
-pub(super) struct Random(pub u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        self.0 >> 33
-    }
-
-    /// From `low` to `high`, both included.
-    fn within(&mut self, low: i32, high: i32) -> i32 {
-        low + (self.next() % (high - low + 1) as u64) as i32
-    }
-
-    pub fn unit(&mut self) -> f32 {
-        self.next() as f32 / (1u64 << 31) as f32
-    }
+/// From `low` to `high`, both included.
+fn whole(random: &mut Random, low: i32, high: i32) -> i32 {
+    low + random.below((high - low + 1) as usize) as i32
 }
 
 fn corner(x: i32, y: i32) -> Projected {
@@ -152,22 +136,22 @@ pub(super) fn levels() -> Vec<Level> {
 fn random_corner(random: &mut Random, index: usize) -> Projected {
     let (width, height) = (TILE[0] as i32 * STEPS, TILE[1] as i32 * STEPS);
     // Odd multiples, few of them, so that many an edge runs through samples.
-    let odd = |of: i32, random: &mut Random| of * (2 * random.within(0, 6) + 1);
+    let odd = |of: i32, random: &mut Random| of * (2 * whole(random, 0, 6) + 1);
     match index % 6 {
         0 => corner(
-            random.within(-2000, width + 2000),
-            random.within(-2000, height + 2000),
+            whole(random, -2000, width + 2000),
+            whole(random, -2000, height + 2000),
         ),
         1 => corner(
-            32 * random.within(0, width / 32),
-            32 * random.within(0, height / 32),
+            32 * whole(random, 0, width / 32),
+            32 * whole(random, 0, height / 32),
         ),
         2 => corner(odd(32, random), odd(32, random)),
         3 => corner(odd(128, random), odd(128, random)),
-        4 => corner(random.within(2560, 3200), random.within(2560, 3200)),
+        4 => corner(whole(random, 2560, 3200), whole(random, 2560, 3200)),
         _ => corner(
-            random.within(-8192 * STEPS, 24576 * STEPS),
-            random.within(-8192 * STEPS, 24576 * STEPS),
+            whole(random, -8192 * STEPS, 24576 * STEPS),
+            whole(random, -8192 * STEPS, 24576 * STEPS),
         ),
     }
 }
@@ -199,12 +183,12 @@ fn triangles_around_a_point_share_every_sample_out_once() {
     for index in 0..200 {
         let middle = random_corner(&mut random, index % 5);
         // Around the middle in the order of their angles, near and far.
-        let mut angles: Vec<f64> = (0..7).map(|_| f64::from(random.unit()) * 6.2).collect();
+        let mut angles: Vec<f64> = (0..7).map(|_| random.unit() * 6.2).collect();
         angles.sort_by(f64::total_cmp);
         let around: Vec<Projected> = angles
             .iter()
             .map(|angle| {
-                let reach = f64::from(random.within(300, 20_000));
+                let reach = f64::from(whole(&mut random, 300, 20_000));
                 corner(
                     middle.x + (reach * angle.cos()) as i32,
                     middle.y + (reach * angle.sin()) as i32,
@@ -304,14 +288,14 @@ fn tangle(random: &mut Random) -> Arc<Posed> {
     let positions: Vec<Vec3> = (0..9000)
         .map(|_| {
             Vec3::new(
-                random.unit() - 0.5,
-                random.unit() - 0.5,
-                random.unit() - 0.5,
+                random.unit() as f32 - 0.5,
+                random.unit() as f32 - 0.5,
+                random.unit() as f32 - 0.5,
             )
         })
         .collect();
     let triangles = (0..9000)
-        .map(|_| [0; 3].map(|_| random.within(0, 8999) as u32))
+        .map(|_| [0; 3].map(|_| whole(random, 0, 8999) as u32))
         .collect();
     let mesh = MeshDraft {
         normals: Some(
@@ -493,13 +477,13 @@ fn seen_flat<'a>(triangles: impl Iterator<Item = &'a Lit>, width: u32, height: u
 fn stacked(random: &mut Random, count: usize, largest: f32) -> Vec<Lit> {
     let triangle = |index: usize| {
         let middle = Vec3::new(
-            random.unit() - 0.5,
-            random.unit() - 0.5,
+            random.unit() as f32 - 0.5,
+            random.unit() as f32 - 0.5,
             index as f32 * 1e-5,
         );
-        let size = largest * random.unit();
+        let size = largest * random.unit() as f32;
         let corners = [Vec3::ZERO, Vec3::X * size, Vec3::Y * size].map(|corner| middle + corner);
-        let tilt = Vec3::new(random.unit() - 0.5, random.unit() - 0.5, 1.0);
+        let tilt = Vec3::new(random.unit() as f32 - 0.5, random.unit() as f32 - 0.5, 1.0);
         (corners, tilt.normalize_or(Vec3::Z))
     };
     (0..count).map(triangle).collect()

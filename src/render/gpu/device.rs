@@ -15,6 +15,8 @@ pub(super) struct Device {
     pub capabilities: Capabilities,
     /// Of one buffer at the most.
     pub buffer_bytes: u64,
+    /// Whether shaders can read which samples of a pixel a triangle covers.
+    pub tells_coverage: bool,
     faults: Arc<Mutex<Faults>>,
 }
 
@@ -75,6 +77,8 @@ impl Device {
             adapter_id,
             capabilities,
             buffer_bytes,
+            // naga writes GLSL that reads an array of masks as if it were one, which does not compile.
+            tells_coverage: adapter.get_info().backend != wgpu::Backend::Gl,
             faults,
         })
     }

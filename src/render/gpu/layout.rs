@@ -63,19 +63,19 @@ mod tests {
 
     #[test]
     fn rust_and_shaders_agree_on_every_offset() {
-        assert_mirrors!(shaders::SHADE, "View", View {
+        assert_mirrors!(shaders::BY_MASK.skin, "View", View {
             eye_in_world = "eye_in_world", ambient = "ambient", light_count = "light_count", size_pixels = "size_pixels", lights = "lights",
         });
-        assert_mirrors!(shaders::SHADE, "InstanceParams", InstanceParams {
+        assert_mirrors!(shaders::BY_MASK.skin, "InstanceParams", InstanceParams {
             clip_from_model = "clip_from_model", world_from_model = "world_from_model",
             world_from_model_normal = "world_from_model_normal", diffuse = "diffuse", opacity = "opacity", specular = "specular",
             shininess = "shininess", textured_diffuse = "textured_diffuse", flat_normals = "flat_normals",
             least_distance_squared = "least_distance_squared",
         });
-        assert_mirrors!(shaders::SHADE, "Light", ShaderLight {
+        assert_mirrors!(shaders::BY_MASK.skin, "Light", ShaderLight {
             toward_or_position = "toward_or_position", radiance = "radiance", cone = "cone",
         });
-        assert_mirrors!(shaders::COAT, "Coat", Coat {
+        assert_mirrors!(shaders::BY_MASK.coat, "Coat", Coat {
             color = "color", specular = "specular", shininess = "shininess", emissive = "emissive", least_alpha = "least_alpha",
             color_place = "color_place", emissive_place = "emissive_place", normal_place = "normal_place",
             normal_scale = "normal_scale", is_translucent = "is_translucent", is_lit = "is_lit", is_flat = "is_flat",

@@ -3,7 +3,7 @@
 
 use super::coats::Coats;
 use super::device::Device;
-use super::shaders;
+use super::shaders::{self, SAMPLES, Shading};
 use super::targets::{COLOR_FORMAT, DEPTH_FORMAT};
 use super::textures::TextureBinding;
 use crate::render::cull::Side;
@@ -43,6 +43,7 @@ pub(super) struct Pipelines {
     layout: wgpu::PipelineLayout,
     textured_layout: wgpu::PipelineLayout,
     coated_layout: wgpu::PipelineLayout,
+    shading: Shading,
     skin_module: wgpu::ShaderModule,
     coat_module: wgpu::ShaderModule,
     line_module: wgpu::ShaderModule,
@@ -75,6 +76,11 @@ impl Pipelines {
                     immediate_size: 0,
                 })
         };
+        let shading = if device.tells_coverage {
+            shaders::BY_MASK
+        } else {
+            shaders::BY_DRIVER
+        };
         Self {
             layout: layout(&[Some(uniform_layout)]),
             textured_layout: layout(&[Some(uniform_layout), Some(&textures.layout)]),
@@ -83,10 +89,11 @@ impl Pipelines {
                 Some(&textures.coat_layout),
                 Some(&coats.layout),
             ]),
-            skin_module: module("shade.skin", shaders::SHADE),
-            coat_module: module("shade.coat", shaders::COAT),
+            skin_module: module("shade.skin", shading.skin),
+            coat_module: module("shade.coat", shading.coat),
             line_module: module("shade.lines", shaders::LINES),
-            solid_module: module("shade.solids", shaders::SOLIDS),
+            solid_module: module("shade.solids", shading.solids),
+            shading,
             made: HashMap::new(),
         }
     }
@@ -173,6 +180,13 @@ impl Pipelines {
                 ],
             ),
         };
+        let samples_constant = [(SAMPLES, f64::from(samples.count()))];
+        let counts_samples = self.shading.counts_samples && kind != Kind::Lines;
+        let constants: &[_] = if counts_samples {
+            &samples_constant
+        } else {
+            &[]
+        };
         let (vertex, fragment) = (format!("{stem}_vertex"), format!("{stem}_fragment"));
         device
             .device
@@ -207,7 +221,10 @@ impl Pipelines {
                 fragment: Some(wgpu::FragmentState {
                     module,
                     entry_point: Some(&fragment),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    compilation_options: wgpu::PipelineCompilationOptions {
+                        constants,
+                        ..wgpu::PipelineCompilationOptions::default()
+                    },
                     targets: &[Some(wgpu::ColorTargetState {
                         blend: blends.then_some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
                         ..COLOR_FORMAT.into()

@@ -9,11 +9,54 @@ macro_rules! shader {
 pub(super) const SKIN_LINEAR: &str = shader!("common.wgsl", "skin.wgsl", "skin_linear.wgsl");
 pub(super) const SKIN_DUAL_QUATERNION: &str =
     shader!("common.wgsl", "skin.wgsl", "skin_dual_quaternion.wgsl");
-pub(super) const SHADE: &str = shader!("common.wgsl", "light.wgsl", "shade.wgsl");
-pub(super) const COAT: &str = shader!("common.wgsl", "light.wgsl", "coat.wgsl");
 pub(super) const LINES: &str = shader!("common.wgsl", "lines.wgsl");
-pub(super) const SOLIDS: &str = shader!("common.wgsl", "light.wgsl", "solids.wgsl");
 pub(super) const RESOLVE: &str = shader!("common.wgsl", "resolve.wgsl");
+
+/// Those that shade surfaces, which they do at a place in a pixel.
+pub(super) struct Shading {
+    pub skin: &'static str,
+    pub coat: &'static str,
+    pub solids: &'static str,
+    /// Whether they are specialised by how many [`SAMPLES`] there are.
+    pub counts_samples: bool,
+}
+
+macro_rules! shading {
+    ($centroid:literal, $counts_samples:literal) => {
+        Shading {
+            skin: shader!(
+                "common.wgsl",
+                "light.wgsl",
+                "centroid.wgsl",
+                $centroid,
+                "shade.wgsl"
+            ),
+            coat: shader!(
+                "common.wgsl",
+                "light.wgsl",
+                "centroid.wgsl",
+                $centroid,
+                "coat.wgsl"
+            ),
+            solids: shader!(
+                "common.wgsl",
+                "light.wgsl",
+                "centroid.wgsl",
+                $centroid,
+                "solids.wgsl"
+            ),
+            counts_samples: $counts_samples,
+        }
+    };
+}
+
+/// The place is a rule of our own.
+pub(super) const BY_MASK: Shading = shading!("centroid_by_mask.wgsl", true);
+/// For devices whose shaders cannot know which samples are covered.
+pub(super) const BY_DRIVER: Shading = shading!("centroid_by_driver.wgsl", false);
+
+/// The override that tells how many samples a pixel has.
+pub(super) const SAMPLES: &str = "SAMPLES";
 
 /// Threads of one compute workgroup: `WORKGROUP` in `common.wgsl`.
 pub(super) const WORKGROUP: u32 = 64;
@@ -27,10 +70,13 @@ mod tests {
         for source in [
             SKIN_LINEAR,
             SKIN_DUAL_QUATERNION,
-            SHADE,
-            COAT,
+            BY_MASK.skin,
+            BY_MASK.coat,
+            BY_MASK.solids,
+            BY_DRIVER.skin,
+            BY_DRIVER.coat,
+            BY_DRIVER.solids,
             LINES,
-            SOLIDS,
             RESOLVE,
         ] {
             let module = naga::front::wgsl::parse_str(source).expect("the shader parses");

@@ -261,7 +261,8 @@ mod tests {
         };
         let binding = |joint| BindingDraft {
             joint: Some(joint),
-            stood: BindPose::BindFromJoint(DAffine3::IDENTITY),
+            file: None,
+            bind_pose: BindPose::BindFromJoint(DAffine3::IDENTITY),
         };
         let draft = Draft {
             joints: vec![joint(None), joint(Some(0))],

@@ -2,7 +2,7 @@
 
 use super::{are_usable, finite};
 use crate::rig::{
-    Binding, Influence, Look, Mesh, MeshDraft, Part, PartDraft, RigError, Sides, Warnings,
+    Binding, Influence, Look, Mesh, MeshDraft, Part, PartDraft, RigProblem, Sides, Warnings,
 };
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -22,7 +22,7 @@ impl MeshBuild<'_> {
         name: String,
         bindings: &mut Vec<Binding>,
         [material_count, variant_count]: [usize; 2],
-    ) -> Result<Mesh, RigError> {
+    ) -> Result<Mesh, RigProblem> {
         self.check_counts()?;
         self.check_numbers(&name)?;
         self.check_indices(bindings.len(), material_count)?;
@@ -60,7 +60,7 @@ impl MeshBuild<'_> {
         })
     }
 
-    fn check_counts(&self) -> Result<(), RigError> {
+    fn check_counts(&self) -> Result<(), RigProblem> {
         let vertices = self.mesh.positions.len();
         let draw_vertices = vertices + self.mesh.copies.len();
         let claimed: usize = self
@@ -93,7 +93,7 @@ impl MeshBuild<'_> {
         ];
         for (what, vertices, found) in counts {
             if let Some(found) = found.filter(|&found| found != vertices) {
-                return Err(RigError::CountsDiffer {
+                return Err(RigProblem::CountsDiffer {
                     mesh: self.index,
                     vertices,
                     what,
@@ -104,7 +104,7 @@ impl MeshBuild<'_> {
         let in_parts: usize = self.mesh.parts.iter().map(|part| part.triangle_count).sum();
         if !self.mesh.parts.is_empty() && in_parts != self.mesh.triangles.len() {
             let what = "triangles in its parts, which are not all it has";
-            return Err(RigError::CountsDiffer {
+            return Err(RigProblem::CountsDiffer {
                 mesh: self.index,
                 vertices,
                 what,
@@ -116,7 +116,7 @@ impl MeshBuild<'_> {
                 "influences in all, which its counts do not sum to",
                 self.mesh.influences.len(),
             );
-            return Err(RigError::CountsDiffer {
+            return Err(RigProblem::CountsDiffer {
                 mesh: self.index,
                 vertices,
                 what,
@@ -126,11 +126,10 @@ impl MeshBuild<'_> {
         Ok(())
     }
 
-    fn check_numbers(&self, name: &str) -> Result<(), RigError> {
+    fn check_numbers(&self, name: &str) -> Result<(), RigProblem> {
         let mesh = &self.mesh;
         finite(
             mesh.positions.iter().all(|p| are_usable(&p.to_array())),
-            Some(self.index),
             || format!("a position of mesh `{name}`"),
         )?;
         finite(
@@ -138,7 +137,6 @@ impl MeshBuild<'_> {
                 .iter()
                 .flatten()
                 .all(|n| are_usable(&n.to_array())),
-            Some(self.index),
             || format!("a normal of mesh `{name}`"),
         )?;
         finite(
@@ -146,7 +144,6 @@ impl MeshBuild<'_> {
                 .iter()
                 .flatten()
                 .all(|uv| are_usable(&uv.to_array())),
-            Some(self.index),
             || format!("a texture coordinate of mesh `{name}`"),
         )?;
         finite(
@@ -154,23 +151,18 @@ impl MeshBuild<'_> {
                 .iter()
                 .flatten()
                 .all(|color| are_usable(&color.to_array())),
-            Some(self.index),
             || format!("a vertex color of mesh `{name}`"),
         )?;
         finite(
             mesh.influences.iter().all(|(_, weight)| weight.is_finite()),
-            Some(0),
             || format!("a weight of mesh `{name}`"),
         )
     }
 
-    fn check_indices(&self, binding_count: usize, material_count: usize) -> Result<(), RigError> {
-        let mesh = self.index;
-        let out_of_range = |what, index, target, found, count| {
-            Err(RigError::OutOfRange {
-                mesh,
-                what,
-                index,
+    fn check_indices(&self, binding_count: usize, material_count: usize) -> Result<(), RigProblem> {
+        let out_of_range = |what: &str, index: usize, target, found, count| {
+            Err(RigProblem::OutOfRange {
+                what: format!("{what} {index} of mesh {}", self.index),
                 target,
                 found,
                 count,
@@ -213,7 +205,11 @@ impl MeshBuild<'_> {
         }
     }
 
-    fn check_variants(&self, material_count: usize, variant_count: usize) -> Result<(), RigError> {
+    fn check_variants(
+        &self,
+        material_count: usize,
+        variant_count: usize,
+    ) -> Result<(), RigProblem> {
         for (index, it) in self.mesh.in_variants.iter().enumerate() {
             let named = [
                 ("part", it.part, self.mesh.parts.len()),
@@ -222,10 +218,8 @@ impl MeshBuild<'_> {
             ];
             for (target, found, count) in named {
                 if found >= count {
-                    return Err(RigError::OutOfRange {
-                        mesh: self.index,
-                        what: "choice of a variant",
-                        index,
+                    return Err(RigProblem::OutOfRange {
+                        what: format!("choice {index} of variants of mesh {}", self.index),
                         target,
                         found,
                         count,

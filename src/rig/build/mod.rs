@@ -10,7 +10,7 @@ mod reach;
 mod sides;
 mod skeleton;
 
-use super::{Dofs, Draft, LARGEST_COORDINATE, Rig, RigError, RigId, names};
+use super::{Dofs, Draft, LARGEST_COORDINATE, Rig, RigError, RigId, RigProblem, names};
 use crate::limits::Limits;
 use mesh::MeshBuild;
 
@@ -19,10 +19,18 @@ impl Draft {
     /// made unit length or computed, triangles wound about their normals.
     ///
     /// # Errors
-    /// [`RigError`] names the first thing found wrong, or the ceiling that the rig exceeds.
-    pub fn build(mut self, limits: &Limits) -> Result<Rig, RigError> {
+    /// [`RigError`] names the first thing found wrong and its file, or the ceiling that the rig exceeds.
+    pub fn build(self, limits: &Limits) -> Result<Rig, RigError> {
+        let file = self.file.clone();
+        self.checked(limits).map_err(|error| RigError {
+            file: error.file.or(file),
+            ..error
+        })
+    }
+
+    fn checked(mut self, limits: &Limits) -> Result<Rig, RigError> {
         if self.joints.is_empty() && self.meshes.is_empty() {
-            return Err(RigError::Empty);
+            return Err(RigProblem::Empty.into());
         }
         limits.joints(self.joints.len())?;
         limits.vertices(
@@ -58,18 +66,15 @@ impl Draft {
         let lights = light::build(self.lights, skeleton.joints().len())?;
         let mut meshes = Vec::with_capacity(self.meshes.len());
         for (index, (mesh, name)) in self.meshes.into_iter().zip(mesh_names).enumerate() {
-            meshes.push(
-                MeshBuild {
-                    index,
-                    mesh,
-                    warnings: &mut self.warnings,
-                }
-                .build(
-                    name,
-                    &mut bindings,
-                    [self.materials.len(), self.variants.len()],
-                )?,
-            );
+            let file = mesh.file.clone();
+            let build = MeshBuild {
+                index,
+                mesh,
+                warnings: &mut self.warnings,
+            };
+            let counts = [self.materials.len(), self.variants.len()];
+            let built = build.build(name, &mut bindings, counts);
+            meshes.push(built.map_err(|problem| problem.of(file.as_ref()))?);
         }
         let morphs = morph::build(self.morphs, &mut meshes, limits)?;
         for mesh in &mut meshes {
@@ -79,7 +84,7 @@ impl Draft {
             reach::place_parts(mesh);
         }
         let dofs = Dofs::of(&skeleton, &morphs);
-        let clips = clip::build(self.clips, &dofs, limits)?;
+        let clips = clip::build(self.clips, &dofs, limits, &mut self.warnings)?;
         Ok(Rig {
             id: RigId::next(),
             dofs,
@@ -109,14 +114,10 @@ fn are_usable(numbers: &[f32]) -> bool {
         .all(|number| number.abs() <= LARGEST_COORDINATE as f32)
 }
 
-fn finite(
-    is_finite: bool,
-    mesh: Option<usize>,
-    what: impl FnOnce() -> String,
-) -> Result<(), RigError> {
+fn finite(is_finite: bool, what: impl FnOnce() -> String) -> Result<(), RigProblem> {
     if is_finite {
         Ok(())
     } else {
-        Err(RigError::NotFinite { what: what(), mesh })
+        Err(RigProblem::NotFinite { what: what() })
     }
 }

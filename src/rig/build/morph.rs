@@ -2,7 +2,9 @@
 
 use super::{are_usable, finite, is_usable};
 use crate::limits::Limits;
-use crate::rig::{Mesh, Morph, MorphDisplacement, MorphDraft, MorphForm, RigError, names};
+use crate::rig::{
+    Mesh, Morph, MorphDisplacement, MorphDraft, MorphForm, RigError, RigProblem, names,
+};
 use glam::Vec3;
 
 /// Gives each mesh the displacements of its own targets.
@@ -22,27 +24,16 @@ pub(super) fn build(
     let mut morphs = Vec::with_capacity(drafts.len());
     for (index, (draft, name)) in drafts.into_iter().zip(unique_names).enumerate() {
         let Some(mesh) = meshes.get(draft.mesh) else {
-            let (what, target) = ("morph target", "mesh");
-            return Err(RigError::OutOfRange {
-                mesh: 0,
-                what,
-                index,
-                target,
+            let problem = RigProblem::OutOfRange {
+                what: format!("morph target {index}"),
+                target: "mesh",
                 found: draft.mesh,
                 count: meshes.len(),
-            });
+            };
+            return Err(problem.of(draft.file.as_ref()));
         };
-        finite(is_usable(&[draft.rest]), None, || {
-            format!("the weight of morph target `{name}`")
-        })?;
-        let displacements = displacements(index, &draft, mesh)?;
-        finite(
-            displacements.iter().all(|(_, d)| {
-                are_usable(&d.position.to_array()) && are_usable(&d.normal.to_array())
-            }),
-            Some(draft.mesh),
-            || format!("a vertex of morph target `{name}`"),
-        )?;
+        let displacements = checked(index, &name, &draft, mesh);
+        let displacements = displacements.map_err(|problem| problem.of(draft.file.as_ref()))?;
         morphs.push(Morph {
             name,
             mesh: draft.mesh,
@@ -79,12 +70,32 @@ pub(super) fn build(
     Ok(morphs)
 }
 
+/// Those of a target called `name`, all finite.
+fn checked(
+    index: usize,
+    name: &str,
+    draft: &MorphDraft,
+    mesh: &Mesh,
+) -> Result<Vec<(u32, MorphDisplacement)>, RigProblem> {
+    finite(is_usable(&[draft.rest]), || {
+        format!("the weight of morph target `{name}`")
+    })?;
+    let displacements = displacements(index, draft, mesh)?;
+    finite(
+        displacements
+            .iter()
+            .all(|(_, d)| are_usable(&d.position.to_array()) && are_usable(&d.normal.to_array())),
+        || format!("a vertex of morph target `{name}`"),
+    )?;
+    Ok(displacements)
+}
+
 /// One of each vertex that the target lists, in the order of vertices.
 fn displacements(
     morph: usize,
     draft: &MorphDraft,
     mesh: &Mesh,
-) -> Result<Vec<(u32, MorphDisplacement)>, RigError> {
+) -> Result<Vec<(u32, MorphDisplacement)>, RigProblem> {
     let of_file = ..mesh.vertex_count();
     let positions = ordered(morph, draft, &draft.positions, &mesh.positions[of_file])?;
     let normals = ordered(morph, draft, &draft.normals, &mesh.normals[of_file])?;
@@ -118,16 +129,13 @@ fn ordered(
     draft: &MorphDraft,
     listed: &[(u32, Vec3)],
     own: &[Vec3],
-) -> Result<Vec<(u32, Vec3)>, RigError> {
+) -> Result<Vec<(u32, Vec3)>, RigProblem> {
     let mut moved = Vec::with_capacity(listed.len());
     for (index, &(vertex, target)) in listed.iter().enumerate() {
         let Some(own) = own.get(vertex as usize) else {
-            let (what, target) = ("entry of a morph target,", "vertex");
-            return Err(RigError::OutOfRange {
-                mesh: draft.mesh,
-                what,
-                index,
-                target,
+            return Err(RigProblem::OutOfRange {
+                what: format!("entry {index} of morph target {morph}"),
+                target: "vertex",
                 found: vertex as usize,
                 count: own.len(),
             });
@@ -140,7 +148,7 @@ fn ordered(
     }
     moved.sort_by_key(|(vertex, _)| *vertex);
     match moved.windows(2).find(|pair| pair[0].0 == pair[1].0) {
-        Some(pair) => Err(RigError::VertexTwice {
+        Some(pair) => Err(RigProblem::VertexTwice {
             morph,
             vertex: pair[0].0,
         }),
@@ -163,7 +171,7 @@ mod tests {
         }
     }
 
-    fn built(morphs: Vec<MorphDraft>) -> Result<crate::rig::Rig, RigError> {
+    fn built(morphs: Vec<MorphDraft>) -> Result<crate::rig::Rig, RigProblem> {
         let meshes = vec![triangle()];
         Draft {
             meshes,
@@ -171,6 +179,7 @@ mod tests {
             ..Draft::default()
         }
         .build(&Limits::default())
+        .map_err(|error| error.problem)
     }
 
     #[test]
@@ -225,7 +234,8 @@ mod tests {
         };
         let binding = |joint| BindingDraft {
             joint: Some(joint),
-            stood: BindPose::JointFromBind(DAffine3::IDENTITY),
+            file: None,
+            bind_pose: BindPose::JointFromBind(DAffine3::IDENTITY),
         };
         let built = |mesh, limits| {
             let moved = MorphDraft {
@@ -239,7 +249,7 @@ mod tests {
                 morphs: vec![moved],
                 ..Draft::default()
             };
-            draft.build(&limits)
+            draft.build(&limits).map_err(|error| error.problem)
         };
         let rig = built(mesh(), Limits::default()).expect("it is right");
         let of_rig = &rig.meshes()[0];
@@ -262,29 +272,32 @@ mod tests {
             vertices: 4,
             ..Limits::default()
         };
-        assert!(matches!(built(mesh(), limits), Err(RigError::Limit(_))));
+        assert!(matches!(built(mesh(), limits), Err(RigProblem::Limit(_))));
         let limits = Limits {
             influences: 6,
             ..Limits::default()
         };
-        assert!(matches!(built(mesh(), limits), Err(RigError::Limit(_))));
+        assert!(matches!(built(mesh(), limits), Err(RigProblem::Limit(_))));
         let limits = Limits {
             morph_displacements: 2,
             ..Limits::default()
         };
-        assert!(matches!(built(mesh(), limits), Err(RigError::Limit(_))));
+        assert!(matches!(built(mesh(), limits), Err(RigProblem::Limit(_))));
         let no_such = MeshDraft {
             copies: vec![2, 3],
             ..mesh()
         };
         let found = built(no_such, Limits::default());
-        assert!(matches!(found, Err(RigError::OutOfRange { found: 3, .. })));
+        assert!(matches!(
+            found,
+            Err(RigProblem::OutOfRange { found: 3, .. })
+        ));
         let too_few = MeshDraft {
             normals: Some(vec![Vec3::Z; 3]),
             ..mesh()
         };
         let found = built(too_few, Limits::default());
-        assert!(matches!(found, Err(RigError::CountsDiffer { .. })));
+        assert!(matches!(found, Err(RigProblem::CountsDiffer { .. })));
     }
 
     #[test]
@@ -297,7 +310,7 @@ mod tests {
         let past_the_end = built(vec![of(vec![(3, Vec3::ZERO)], 0)]);
         assert!(matches!(
             past_the_end,
-            Err(RigError::OutOfRange {
+            Err(RigProblem::OutOfRange {
                 found: 3,
                 count: 3,
                 ..
@@ -306,7 +319,7 @@ mod tests {
         let twice = built(vec![of(vec![(1, Vec3::ZERO), (1, Vec3::X)], 0)]);
         assert!(matches!(
             twice,
-            Err(RigError::VertexTwice {
+            Err(RigProblem::VertexTwice {
                 morph: 0,
                 vertex: 1
             })

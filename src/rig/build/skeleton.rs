@@ -2,18 +2,18 @@
 
 use super::{LARGEST_COORDINATE, finite, is_usable};
 use crate::rig::{
-    Axis, BindPose, Binding, BindingDraft, Joint, JointDraft, Limit, RigError, Rotation, Skeleton,
-    names,
+    Axis, BindPose, Binding, BindingDraft, Joint, JointDraft, Limit, RigError, RigProblem,
+    Rotation, Skeleton, names,
 };
 use glam::DVec3;
 
-pub(super) fn build(drafts: Vec<JointDraft>) -> Result<Skeleton, RigError> {
+pub(super) fn build(drafts: Vec<JointDraft>) -> Result<Skeleton, RigProblem> {
     let unique_names = names::unique("joint", drafts.iter().map(|joint| joint.name.as_str()));
     let mut joints = Vec::with_capacity(drafts.len());
     for (index, (draft, name)) in drafts.into_iter().zip(unique_names).enumerate() {
         match draft.parent {
             Some(parent) if parent >= index => {
-                return Err(RigError::ParentNotBefore {
+                return Err(RigProblem::ParentNotBefore {
                     joint: index,
                     parent,
                 });
@@ -28,16 +28,15 @@ pub(super) fn build(drafts: Vec<JointDraft>) -> Result<Skeleton, RigError> {
                 && is_usable(&draft.rest_scale.to_array())
                 && is_usable(&numbers_of(draft.rest_rotation))
                 && corners_finite,
-            None,
             || format!("the offset, pose, scale or box of joint `{name}`"),
         )?;
         for axis in Axis::ALL {
             let Limit { min, max } = draft.rotation_limits[axis.index()];
             // Ends may be infinite, but what is clamped between them may not.
             let has_usable = min <= LARGEST_COORDINATE && max >= -LARGEST_COORDINATE;
-            finite(has_usable, None, || format!("a limit of joint `{name}`"))?;
+            finite(has_usable, || format!("a limit of joint `{name}`"))?;
             if min > max {
-                return Err(RigError::LimitReversed {
+                return Err(RigProblem::LimitReversed {
                     joint: index,
                     min,
                     max,
@@ -71,36 +70,41 @@ pub(super) fn build_bindings(
     drafts: &[BindingDraft],
     joint_count: usize,
 ) -> Result<Vec<Binding>, RigError> {
-    let build = |(index, draft): (usize, &BindingDraft)| {
-        if let Some(joint) = draft.joint.filter(|&joint| joint >= joint_count) {
-            let (what, target) = ("binding", "joint");
-            return Err(RigError::OutOfRange {
-                mesh: 0,
-                what,
-                index,
-                target,
-                found: joint,
-                count: joint_count,
-            });
-        }
-        let (BindPose::BindFromJoint(given) | BindPose::JointFromBind(given)) = draft.stood;
-        finite(is_usable(&given.to_cols_array()), Some(0), || {
-            format!("the matrix of binding {index}")
-        })?;
-        let joint_from_bind = match draft.stood {
-            BindPose::BindFromJoint(bind_from_joint) => bind_from_joint.inverse(),
-            BindPose::JointFromBind(joint_from_bind) => joint_from_bind,
-        };
-        // A nearly singular matrix has an inverse that is only rounding error.
-        if !is_usable(&joint_from_bind.to_cols_array()) {
-            return Err(RigError::SingularBinding { binding: index });
-        }
-        Ok(Binding {
-            joint: draft.joint,
-            joint_from_bind,
-        })
+    let binding = |(index, draft): (usize, &BindingDraft)| {
+        build_binding(index, draft, joint_count).map_err(|problem| problem.of(draft.file.as_ref()))
     };
-    drafts.iter().enumerate().map(build).collect()
+    drafts.iter().enumerate().map(binding).collect()
+}
+
+fn build_binding(
+    index: usize,
+    draft: &BindingDraft,
+    joint_count: usize,
+) -> Result<Binding, RigProblem> {
+    if let Some(found) = draft.joint.filter(|&joint| joint >= joint_count) {
+        return Err(RigProblem::OutOfRange {
+            what: format!("binding {index}"),
+            target: "joint",
+            found,
+            count: joint_count,
+        });
+    }
+    let (BindPose::BindFromJoint(given) | BindPose::JointFromBind(given)) = draft.bind_pose;
+    finite(is_usable(&given.to_cols_array()), || {
+        format!("the matrix of binding {index}")
+    })?;
+    let joint_from_bind = match draft.bind_pose {
+        BindPose::BindFromJoint(bind_from_joint) => bind_from_joint.inverse(),
+        BindPose::JointFromBind(joint_from_bind) => joint_from_bind,
+    };
+    // A nearly singular matrix has an inverse that is only rounding error.
+    if !is_usable(&joint_from_bind.to_cols_array()) {
+        return Err(RigProblem::SingularBinding { binding: index });
+    }
+    Ok(Binding {
+        joint: draft.joint,
+        joint_from_bind,
+    })
 }
 
 fn numbers_of(rotation: Rotation) -> [f64; 4] {
@@ -137,7 +141,7 @@ mod tests {
         ] {
             let refused = built(min, max).map(drop);
             assert!(
-                matches!(refused, Err(RigError::NotFinite { .. })),
+                matches!(refused, Err(RigProblem::NotFinite { .. })),
                 "{min} {max}"
             );
         }

@@ -82,18 +82,3 @@ pub fn compare(found: &[[[f32; 3]; 2]], wanted: &Skinned) -> Worst {
     }
     worst
 }
-
-/// SplitMix64: the same numbers on every machine.
-pub struct Random(pub u64);
-
-impl Random {
-    /// From `-most` to `most`.
-    pub fn within(&mut self, most: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        bits ^= bits >> 31;
-        ((bits >> 11) as f64 / (1u64 << 52) as f64 - 1.0) * most
-    }
-}

@@ -10,10 +10,10 @@ mod read_mit;
 pub mod smooth;
 mod words;
 
-pub use compare::Random;
 pub use dual_quaternion::Signs;
 pub use matrix::Vector;
 
+use super::random::Random;
 use clip::Clip;
 use dual_quaternion::{Blend, Parts};
 use matrix::{

@@ -1,11 +1,12 @@
 //! Lists of files: what is listed, what is warned of, what is refused and where.
 
-use super::{Role, read};
-use crate::formats::lexer::Lexer;
+use super::read;
+use crate::formats::text::lexer::Lexer;
 use crate::limits::Limits;
 use crate::rig::Warnings;
 
-type Listed = Vec<(Role, String)>;
+/// The name of each entry's format and its file.
+type Listed = Vec<(&'static str, String)>;
 
 fn list(text: &str) -> Result<(Listed, Vec<String>), String> {
     let mut warnings = Warnings::default();
@@ -15,15 +16,23 @@ fn list(text: &str) -> Result<(Listed, Vec<String>), String> {
     };
     let entries = read(Lexer::new("a.rig", text), &limits, &mut warnings);
     let entries = entries.map_err(|error| error.to_string())?;
-    let entries = entries.into_iter().map(|entry| (entry.role, entry.file));
+    let entries = entries
+        .into_iter()
+        .map(|entry| (entry.format.name, entry.file));
     Ok((entries.collect(), warnings.into_sentences()))
 }
 
 #[test]
 fn entries_come_in_any_order_and_each_may_be_missing() {
     let entry = |role, file: &str| (role, file.to_owned());
-    let (skeleton, skin) = (entry(Role::Skeleton, "a.skel"), entry(Role::Skin, "a.skin"));
-    let morphs = [entry(Role::Morph, "1.morph"), entry(Role::Morph, "morph")];
+    let (skeleton, skin) = (
+        entry("cse169 skel", "a.skel"),
+        entry("cse169 skin", "a.skin"),
+    );
+    let morphs = [
+        entry("cse169 morph", "1.morph"),
+        entry("cse169 morph", "morph"),
+    ];
     for (text, wanted) in [
         (
             "rig a {\r\n\tskeleton a.skel\r\n\tskin a.skin\r\n\tmorphs 0 {\r\n\t}\r\n}\r\n",
@@ -56,7 +65,7 @@ fn what_is_odd_in_a_list_is_worked_with() {
             "a.rig:2:1: what follows the `rig` is not used",
         ),
     ] {
-        let wanted = vec![(Role::Skin, "a.skin".to_owned())];
+        let wanted = vec![("cse169 skin", "a.skin".to_owned())];
         assert_eq!(list(text), Ok((wanted, vec![warning.to_owned()])));
     }
 }

@@ -1,7 +1,7 @@
 //! Skeletons in small files: what is read, what is warned of, what is refused and where.
 
 use super::read;
-use crate::formats::lexer::Lexer;
+use crate::formats::text::lexer::Lexer;
 use crate::limits::Limits;
 use crate::rig::{JointDraft, Limit, Rotation, Warnings};
 use glam::DVec3;

@@ -1,16 +1,18 @@
 //! Skins in small files: what is read, what is warned of, what is refused and where.
 
-use super::{BoundTo, Skin, read};
-use crate::formats::lexer::Lexer;
+use super::{Skin, read};
+use crate::formats::contribution::KnownSkeleton;
+use crate::formats::text::lexer::Lexer;
 use crate::limits::Limits;
-use crate::rig::Warnings;
+use crate::rig::{JointDraft, Warnings};
 use glam::{DMat3, DVec3, Vec2, Vec3};
 
 fn skin_with(joint_count: Option<usize>, text: &str) -> Result<(Skin, Vec<String>), String> {
     let mut warnings = Warnings::default();
-    let skeleton = joint_count.map(|joint_count| BoundTo {
+    let joints = joint_count.map(|count| vec![JointDraft::default(); count]);
+    let skeleton = joints.as_deref().map(|joints| KnownSkeleton {
         file: "a.skel",
-        joint_count,
+        joints,
     });
     read(
         Lexer::new("a.skin", text),
@@ -54,7 +56,7 @@ fn all_sections_of_a_skin_are_read() {
     let material = skin.material.expect("it has one");
     let texture = material
         .texture
-        .map(|texture| (texture.file, texture.place));
+        .map(|texture| (texture.name, texture.place));
     assert_eq!(material.name, "face");
     assert_eq!(
         texture,
