@@ -154,7 +154,7 @@ fn mosaic() -> Draft {
         let depth = 3.0 + random.unit();
         let position = DVec3::new(x / 32.0 - 1.0, 1.0 - y / 32.0, -1.0) * depth;
         let mut unit = || random.unit() as f32;
-        let normal = Vec3::new(2.0 * unit() - 1.0, 2.0 * unit() - 1.0, 1.0).normalize();
+        let normal = Vec3::new(2.0 * unit() - 1.0, 2.0 * unit() - 1.0, 1.0).normalize_or(Vec3::Z);
         let color = Vec4::new(unit(), unit(), unit(), 1.0);
         (position.as_vec3(), (normal, color))
     };

@@ -1,7 +1,7 @@
 //! Requests in, responses out. [`Service::session`] gives a connection its [`Session`], which takes one [`Request`] at a time.
 //! Never lives here: sockets, how messages are framed on them, and how a rig is loaded, posed or drawn.
 //!
-//! [`dispatch`] has the table of methods. Each family of methods has its file: from wire types to plain ones, one call to the engine, and
+//! `dispatch` has the table of methods. Each family of methods has its file: from wire types to plain ones, one call to the engine, and
 //! back.
 
 mod arrays;
