@@ -4,7 +4,7 @@
 use super::geometry::Corner;
 use super::interpolate::{Plane, Planes};
 use super::raster::Slope;
-use super::shade::{Finish, Fragment};
+use super::shade::{Fragment, MaterialSample};
 use super::texture;
 use crate::render::coat::Coat;
 use crate::render::instance_params::InstanceParams;
@@ -33,7 +33,7 @@ pub(super) struct CoatedTriangle {
     color: Plane,
     /// In its plane, in which the place on the normal map moves to the right and up, of unit length; none where it does not move, or where
     /// no normal is mapped.
-    slants: Option<[Vec3; 2]>,
+    tangents: Option<[Vec3; 2]>,
 }
 
 impl<'a> Coated<'a> {
@@ -70,7 +70,7 @@ impl<'a> Coated<'a> {
     fn color<S: Simd>(&self, simd: S, texcoords: &Texcoords, vertex: [f32; 4]) -> [f32; 4] {
         let own = self.coat.color.to_array();
         let texel = match self.texture() {
-            Some(laid) => laid_out(simd, laid, &self.coat.color_place, texcoords),
+            Some(laid) => sample_transformed(simd, laid, &self.coat.color_place, texcoords),
             None => [1.0; 4],
         };
         [0, 1, 2, 3].map(|channel| own[channel] * texel[channel] * vertex[channel])
@@ -103,7 +103,7 @@ impl<'a> Coated<'a> {
         match self.colors {
             Some(_) => {
                 let over_w = color.at(simd, from_origin).to_array();
-                over_w.map(|channel| held(channel / inverse_w))
+                over_w.map(|channel| saturate(channel / inverse_w))
             }
             None => [1.0; 4],
         }
@@ -125,8 +125,8 @@ impl CoatedTriangle {
         Self {
             coated,
             color: Plane::of_colors(simd, &slope, corners),
-            slants: is_mapped
-                .then(|| slants(corners, &of.coat.normal_place))
+            tangents: is_mapped
+                .then(|| tangents(corners, &of.coat.normal_place))
                 .flatten(),
         }
     }
@@ -141,7 +141,7 @@ impl CoatedTriangle {
         from_origin: [f32; 2],
         pixel: [f32; 2],
         params: &InstanceParams,
-    ) -> (Fragment, Finish) {
+    ) -> (Fragment, MaterialSample) {
         let coat = &of.coat;
         let texcoords = Texcoords::around(simd, &planes.texcoord, planes.origin, pixel);
         let normal = planes.normal.at(simd, from_origin).to_array();
@@ -157,24 +157,24 @@ impl CoatedTriangle {
         };
         let given_off = match of.emissive_texture() {
             Some(laid) => {
-                let [r, g, b, _] = laid_out(simd, laid, &coat.emissive_place, &texcoords);
+                let [r, g, b, _] = sample_transformed(simd, laid, &coat.emissive_place, &texcoords);
                 coat.emissive * Vec3::new(r, g, b)
             }
             None => coat.emissive,
         };
         let alpha = if coat.is_translucent == 1 {
-            held(alpha)
+            saturate(alpha)
         } else {
             1.0
         };
-        let mut finish = Finish {
+        let mut finish = MaterialSample {
             specular: coat.specular.extend(coat.shininess).to_array(),
             emissive: given_off.extend(alpha).to_array(),
             right: [0.0, 0.0, 0.0, params.least_distance_squared],
-            ..Finish::default()
+            ..MaterialSample::default()
         };
-        if let (Some([right, up]), Some(map)) = (self.slants, of.normal_map()) {
-            let [x, y, z, _] = laid_out(simd, map, &coat.normal_place, &texcoords);
+        if let (Some([right, up]), Some(map)) = (self.tangents, of.normal_map()) {
+            let [x, y, z, _] = sample_transformed(simd, map, &coat.normal_place, &texcoords);
             let [x, y, z] = [x, y, z].map(|number| 2.0 * number - 1.0);
             finish.mapped = [x * coat.normal_scale, y * coat.normal_scale, z, 1.0];
             finish.right = right.extend(params.least_distance_squared).to_array();
@@ -228,7 +228,7 @@ fn neighbour(pixel: f32) -> f32 {
 
 /// What a texture has at a pixel, where `rows` lay it.
 #[inline(always)]
-fn laid_out<S: Simd>(
+fn sample_transformed<S: Simd>(
     simd: S,
     laid: &TexturePlace,
     rows: &[Vec4; 2],
@@ -239,7 +239,7 @@ fn laid_out<S: Simd>(
     let below = place(rows, texcoords.below);
     let by_x = [beside[0] - here[0], beside[1] - here[1]];
     let by_y = [below[0] - here[0], below[1] - here[1]];
-    texture::sample_laid(simd, laid, here, by_x, by_y)
+    texture::sample_wrapped(simd, laid, here, by_x, by_y)
 }
 
 /// On a picture, from its upper left corner.
@@ -250,7 +250,7 @@ fn place(rows: &[Vec4; 2], [u, v]: [f32; 2]) -> [f32; 2] {
 }
 
 /// The directions in a triangle's plane in which the place on a picture moves to the right and up.
-fn slants(corners: &[Corner; 3], rows: &[Vec4; 2]) -> Option<[Vec3; 2]> {
+fn tangents(corners: &[Corner; 3], rows: &[Vec4; 2]) -> Option<[Vec3; 2]> {
     let at = corners.map(|corner| place(rows, corner.texcoord));
     let [from, one, other] = corners.map(|corner| Vec3::from_array(corner.position));
     let (one, other) = (one - from, other - from);
@@ -274,7 +274,7 @@ fn slants(corners: &[Corner; 3], rows: &[Vec4; 2]) -> Option<[Vec3; 2]> {
 }
 
 /// Between 0 and 1; 0 of what is no number.
-fn held(number: f32) -> f32 {
+fn saturate(number: f32) -> f32 {
     if number > 0.0 { number.min(1.0) } else { 0.0 }
 }
 

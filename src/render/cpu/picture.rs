@@ -102,7 +102,7 @@ impl Cpu {
             pattern,
             view: &view,
             plain: &plain,
-            has_finishes: !coated.is_empty() || !are_finished_alike(&room.instances),
+            has_materials: !coated.is_empty() || !are_lit_alike(&room.instances),
             resolve: Resolve {
                 background: scene.background.premultiplied().to_array(),
                 sample_count: pattern.count(),
@@ -218,7 +218,7 @@ impl Room {
 }
 
 /// Whether surfaces of all of them that have no material of their own are lit alike.
-fn are_finished_alike(instances: &[DrawnInstance]) -> bool {
+fn are_lit_alike(instances: &[DrawnInstance]) -> bool {
     instances.windows(2).all(|pair| {
         let [one, other] = [&pair[0].params, &pair[1].params];
         one.specular == other.specular

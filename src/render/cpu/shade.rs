@@ -1,6 +1,6 @@
 //! Stage 3, shade: the twin of `shaders/light.wgsl`, for many fragments at a time. A fragment is what a triangle shows of one pixel.
 
-use super::lanes::{LANES, Lanes, Vectors, held, power, powers, rows_of, transposed};
+use super::lanes::{LANES, Lanes, Vectors, power, powers, rows_of, saturate, transposed};
 use crate::render::instance_params::InstanceParams;
 use crate::render::view::View;
 use fearless_simd::f32x4;
@@ -20,7 +20,7 @@ pub(super) struct Fragment {
 
 /// What a coat does beside scattering.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Finish {
+pub(super) struct MaterialSample {
     /// Linear RGB, and shininess.
     pub specular: [f32; 4],
     /// Linear RGB, and how much of the fragment hides what is behind.
@@ -33,7 +33,7 @@ pub(super) struct Finish {
     pub up: [f32; 4],
 }
 
-impl Finish {
+impl MaterialSample {
     /// Of what has no coat.
     #[inline(always)]
     pub fn plain(params: &InstanceParams) -> Self {
@@ -53,7 +53,7 @@ pub(super) struct Fragments {
     pub pixel: Vec<(u8, u8)>,
     pub given: Vec<Fragment>,
     /// Of pictures of coated surfaces.
-    pub finish: Vec<Finish>,
+    pub finish: Vec<MaterialSample>,
     /// Linear, from 0 to 1, and 1; of coated surfaces premultiplied, and their opacity.
     pub color: Vec<[f32; 4]>,
 }
@@ -72,11 +72,11 @@ impl Fragments {
         &mut self,
         pixel: usize,
         samples: usize,
-        (fragment, finish): (Fragment, Finish),
+        (fragment, finish): (Fragment, MaterialSample),
     ) {
         if self.finish.is_empty() {
             // Most pictures need none.
-            self.finish.resize(Self::MOST, Finish::default());
+            self.finish.resize(Self::MOST, MaterialSample::default());
         }
         self.finish[self.count] = finish;
         self.add(pixel, samples, fragment);
@@ -134,13 +134,13 @@ pub(super) fn shade<S: Simd, const COATED: bool>(
         let is_lit = is_lit.simd_gt(0.0);
         let colors = if COATED {
             let finish = &fragments.finish.as_chunks::<LANES>().0[group];
-            let finish = Finishes::load(simd, finish);
+            let finish = SampleLanes::load(simd, finish);
             let lit = blinn_phong(simd, view, position, normal, diffuse, &finish);
             let alpha = finish.alpha;
             rows_of([
-                is_lit.select(lit.x, held(red)) * alpha,
-                is_lit.select(lit.y, held(green)) * alpha,
-                is_lit.select(lit.z, held(blue)) * alpha,
+                is_lit.select(lit.x, saturate(red)) * alpha,
+                is_lit.select(lit.y, saturate(green)) * alpha,
+                is_lit.select(lit.z, saturate(blue)) * alpha,
                 alpha,
             ])
         } else {
@@ -160,27 +160,27 @@ pub(super) fn shade<S: Simd, const COATED: bool>(
 }
 
 /// What is lit, beside what it scatters.
-trait Finished<S: Simd> {
+trait MaterialTerms<S: Simd> {
     fn has_highlight(&self) -> bool;
 
     /// As strong as it is by the square of the cosine between normal and halfway.
     fn highlight(&self, cosine_squared: Lanes<S>) -> Lanes<S>;
 
     /// What so strong a highlight of a light adds.
-    fn gleam(&self, highlight: Lanes<S>, radiance: [f32; 3]) -> Vectors<S>;
+    fn specular_term(&self, highlight: Lanes<S>, radiance: [f32; 3]) -> Vectors<S>;
 
     /// Unit normals as a map leans them.
-    fn leaning(&self, normal: Vectors<S>) -> Vectors<S>;
+    fn perturbed(&self, normal: Vectors<S>) -> Vectors<S>;
 
     /// What an inverse-square light at this squared distance is divided by.
     fn at_least(&self, distance_squared: Lanes<S>) -> Lanes<S>;
 
     /// With what it gives off.
-    fn glowing(&self, color: Vectors<S>) -> Vectors<S>;
+    fn with_emissive(&self, color: Vectors<S>) -> Vectors<S>;
 }
 
 /// All of an instance alike.
-impl<S: Simd> Finished<S> for InstanceParams {
+impl<S: Simd> MaterialTerms<S> for InstanceParams {
     #[inline(always)]
     fn has_highlight(&self) -> bool {
         self.specular.max_element() > 0.0
@@ -192,7 +192,7 @@ impl<S: Simd> Finished<S> for InstanceParams {
     }
 
     #[inline(always)]
-    fn gleam(&self, highlight: Lanes<S>, [lr, lg, lb]: [f32; 3]) -> Vectors<S> {
+    fn specular_term(&self, highlight: Lanes<S>, [lr, lg, lb]: [f32; 3]) -> Vectors<S> {
         let [sr, sg, sb] = self.specular.to_array();
         Vectors {
             x: highlight * (sr * lr),
@@ -202,7 +202,7 @@ impl<S: Simd> Finished<S> for InstanceParams {
     }
 
     #[inline(always)]
-    fn leaning(&self, normal: Vectors<S>) -> Vectors<S> {
+    fn perturbed(&self, normal: Vectors<S>) -> Vectors<S> {
         normal
     }
 
@@ -212,13 +212,13 @@ impl<S: Simd> Finished<S> for InstanceParams {
     }
 
     #[inline(always)]
-    fn glowing(&self, color: Vectors<S>) -> Vectors<S> {
+    fn with_emissive(&self, color: Vectors<S>) -> Vectors<S> {
         color
     }
 }
 
 /// Of as many fragments as there are lanes.
-struct Finishes<S: Simd> {
+struct SampleLanes<S: Simd> {
     specular: Vectors<S>,
     shininess: Lanes<S>,
     emissive: Vectors<S>,
@@ -230,9 +230,9 @@ struct Finishes<S: Simd> {
     least_distance_squared: Lanes<S>,
 }
 
-impl<S: Simd> Finishes<S> {
+impl<S: Simd> SampleLanes<S> {
     #[inline(always)]
-    fn load(simd: S, finish: &[Finish; LANES]) -> Self {
+    fn load(simd: S, finish: &[MaterialSample; LANES]) -> Self {
         let mut rows = [[f32x4::splat(simd, 0.0); LANES]; 5];
         for lane in 0..LANES {
             rows[0][lane] = f32x4::load_array(simd, finish[lane].specular);
@@ -264,7 +264,7 @@ fn vectors<S: Simd>([x, y, z, w]: [Lanes<S>; 4]) -> (Vectors<S>, Lanes<S>) {
     (Vectors { x, y, z }, w)
 }
 
-impl<S: Simd> Finished<S> for Finishes<S> {
+impl<S: Simd> MaterialTerms<S> for SampleLanes<S> {
     #[inline(always)]
     fn has_highlight(&self) -> bool {
         let Vectors { x, y, z } = self.specular;
@@ -277,7 +277,7 @@ impl<S: Simd> Finished<S> for Finishes<S> {
     }
 
     #[inline(always)]
-    fn gleam(&self, highlight: Lanes<S>, [lr, lg, lb]: [f32; 3]) -> Vectors<S> {
+    fn specular_term(&self, highlight: Lanes<S>, [lr, lg, lb]: [f32; 3]) -> Vectors<S> {
         Vectors {
             x: highlight * (self.specular.x * lr),
             y: highlight * (self.specular.y * lg),
@@ -286,7 +286,7 @@ impl<S: Simd> Finished<S> for Finishes<S> {
     }
 
     #[inline(always)]
-    fn leaning(&self, normal: Vectors<S>) -> Vectors<S> {
+    fn perturbed(&self, normal: Vectors<S>) -> Vectors<S> {
         let is_mapped = self.is_mapped.simd_gt(0.0);
         if !is_mapped.any_true() {
             return normal;
@@ -308,7 +308,7 @@ impl<S: Simd> Finished<S> for Finishes<S> {
     }
 
     #[inline(always)]
-    fn glowing(&self, color: Vectors<S>) -> Vectors<S> {
+    fn with_emissive(&self, color: Vectors<S>) -> Vectors<S> {
         color.plus(self.emissive)
     }
 }
@@ -323,7 +323,7 @@ fn across<S: Simd>(direction: Vectors<S>, normal: Vectors<S>) -> Vectors<S> {
 
 /// `ambient · diffuse + Σ radiance · (diffuse · max(n·l, 0) + [n·l > 0] · specular · max(n·h, 0)^shininess) + emissive`, clamped.
 #[inline(always)]
-fn blinn_phong<S: Simd, F: Finished<S>>(
+fn blinn_phong<S: Simd, F: MaterialTerms<S>>(
     simd: S,
     view: &View,
     position: Vectors<S>,
@@ -335,7 +335,7 @@ fn blinn_phong<S: Simd, F: Finished<S>>(
     let nothing = Vectors::splat(simd, [0.0; 3]);
     let toward_eye = toward(view.eye_in_world, position).unit_or(nothing);
     // A surface without a normal faces the eye.
-    let normal = finish.leaning(normal.unit_or(toward_eye));
+    let normal = finish.perturbed(normal.unit_or(toward_eye));
     let has_highlight = finish.has_highlight();
     let [ar, ag, ab] = view.ambient.to_array();
     let mut color = Vectors {
@@ -368,7 +368,7 @@ fn blinn_phong<S: Simd, F: Finished<S>>(
         let strength = if [cx, cy, cz] == [0.0; 3] {
             strength
         } else {
-            let inside = held(l.dot(Vectors::splat(simd, [cx, cy, cz])) + offset);
+            let inside = saturate(l.dot(Vectors::splat(simd, [cx, cy, cz])) + offset);
             strength * (inside * inside)
         };
         let strength = is_lit.select(strength, zero);
@@ -385,14 +385,14 @@ fn blinn_phong<S: Simd, F: Finished<S>>(
                 .simd_gt(zero)
                 .select(n_dot_h * n_dot_h / squared, zero);
             let highlight = finish.highlight(cosine_squared) * strength;
-            color = color.plus(finish.gleam(highlight, [lr, lg, lb]));
+            color = color.plus(finish.specular_term(highlight, [lr, lg, lb]));
         }
     }
-    let color = finish.glowing(color);
+    let color = finish.with_emissive(color);
     Vectors {
-        x: held(color.x),
-        y: held(color.y),
-        z: held(color.z),
+        x: saturate(color.x),
+        y: saturate(color.y),
+        z: saturate(color.z),
     }
 }
 

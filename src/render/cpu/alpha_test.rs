@@ -4,11 +4,11 @@
 use super::coated::Coated;
 use super::geometry::Corner;
 use super::interpolate::Plane;
-use super::raster::{Presence, Slope};
+use super::raster::{CoverageTest, Slope};
 use fearless_simd::prelude::*;
 
 /// A triangle of a masked surface, or a piece of one.
-pub(super) struct Cutout<'a, S: Simd> {
+pub(super) struct AlphaTest<'a, S: Simd> {
     simd: S,
     coated: &'a Coated<'a>,
     /// In pixels.
@@ -17,7 +17,7 @@ pub(super) struct Cutout<'a, S: Simd> {
     color: Plane,
 }
 
-impl<'a, S: Simd> Cutout<'a, S> {
+impl<'a, S: Simd> AlphaTest<'a, S> {
     /// Of a triangle that is no line.
     #[inline(always)]
     pub fn of(simd: S, coated: &'a Coated<'a>, corners: &[Corner; 3]) -> Self {
@@ -32,11 +32,11 @@ impl<'a, S: Simd> Cutout<'a, S> {
     }
 }
 
-impl<S: Simd> Presence for Cutout<'_, S> {
-    const IS_EVERYWHERE: bool = false;
+impl<S: Simd> CoverageTest for AlphaTest<'_, S> {
+    const PASSES_ALWAYS: bool = false;
 
     #[inline(always)]
-    fn is_at(&self, pixel: [u32; 2]) -> bool {
+    fn passes(&self, pixel: [u32; 2]) -> bool {
         let planes = [&self.texcoord, &self.color];
         let pixel = pixel.map(|at| at as f32);
         let alpha = self.coated.alpha(self.simd, planes, self.origin, pixel);
