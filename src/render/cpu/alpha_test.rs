@@ -1,16 +1,16 @@
 //! Surfaces with holes: a triangle is not there in the pixels in whose middle it lets through too much.
 //! Never lives here: which samples it covers.
 
-use super::coated::Coated;
 use super::geometry::Corner;
 use super::interpolate::Plane;
+use super::material::PartMaterial;
 use super::raster::{CoverageTest, Slope};
 use fearless_simd::prelude::*;
 
 /// A triangle of a masked surface, or a piece of one.
 pub(super) struct AlphaTest<'a, S: Simd> {
     simd: S,
-    coated: &'a Coated<'a>,
+    material: &'a PartMaterial<'a>,
     /// In pixels.
     origin: [f32; 2],
     texcoord: Plane,
@@ -20,11 +20,11 @@ pub(super) struct AlphaTest<'a, S: Simd> {
 impl<'a, S: Simd> AlphaTest<'a, S> {
     /// Of a triangle that is no line.
     #[inline(always)]
-    pub fn of(simd: S, coated: &'a Coated<'a>, corners: &[Corner; 3]) -> Self {
+    pub fn of(simd: S, material: &'a PartMaterial<'a>, corners: &[Corner; 3]) -> Self {
         let slope = Slope::of(corners.map(|corner| corner.projected));
         Self {
             simd,
-            coated,
+            material,
             origin: slope.origin,
             texcoord: Plane::of_texcoords(simd, &slope, corners),
             color: Plane::of_colors(simd, &slope, corners),
@@ -39,7 +39,7 @@ impl<S: Simd> CoverageTest for AlphaTest<'_, S> {
     fn passes(&self, pixel: [u32; 2]) -> bool {
         let planes = [&self.texcoord, &self.color];
         let pixel = pixel.map(|at| at as f32);
-        let alpha = self.coated.alpha(self.simd, planes, self.origin, pixel);
-        alpha >= self.coated.coat.least_alpha
+        let alpha = self.material.alpha(self.simd, planes, self.origin, pixel);
+        alpha >= self.material.params.least_alpha
     }
 }

@@ -2,9 +2,9 @@
 //! Never lives here: light.
 
 use super::bin::side;
-use super::coated::{CoatedTriangle, Texcoords};
 use super::geometry::Paint;
 use super::interpolate::Planes;
+use super::material::{MaterialTriangle, Texcoords};
 use super::samples::{BLOCK, EIGHTHS, NONE};
 use super::shade::{Fragment, Fragments, MaterialSample};
 use super::texture;
@@ -20,7 +20,7 @@ pub(super) struct Gather<'a> {
     pub at: [u32; 2],
     drawn: &'a mut [Drawn],
     setup: &'a mut Vec<TriangleSetup>,
-    coated: &'a mut Vec<CoatedTriangle>,
+    material_triangles: &'a mut Vec<MaterialTriangle>,
     pub fragments: &'a mut Fragments,
 }
 
@@ -30,15 +30,15 @@ pub(super) struct Triangles {
     /// By the numbers that samples keep.
     pub drawn: Vec<Drawn>,
     setup: Vec<TriangleSetup>,
-    /// Of those that are looked up, the ones with coats.
-    coated: Vec<CoatedTriangle>,
+    /// Of those that are looked up, the ones with materials of their own.
+    material_triangles: Vec<MaterialTriangle>,
 }
 
 impl Triangles {
     pub fn clear(&mut self) {
         self.drawn.clear();
         self.setup.clear();
-        self.coated.clear();
+        self.material_triangles.clear();
     }
 
     /// For the block with the picture's pixel `at` at its upper left corner.
@@ -55,7 +55,7 @@ impl Triangles {
             at,
             drawn: &mut self.drawn,
             setup: &mut self.setup,
-            coated: &mut self.coated,
+            material_triangles: &mut self.material_triangles,
             fragments,
         }
     }
@@ -85,14 +85,14 @@ enum BaseColor {
     Uniform([f32; 4]),
     /// The texture of the surface of this number.
     Texture(u32),
-    /// What the coated triangle of this number does.
-    Coat(u32),
+    /// What the triangle of this number does whose material is its own.
+    Material(u32),
 }
 
 impl Gather<'_> {
-    /// What the samples of a block show. `COATED`: there may be coated surfaces among it.
+    /// What the samples of a block show. `HAS_MATERIALS`: surfaces among it may have materials of their own.
     #[inline(always)]
-    pub fn block<S: Simd, const SAMPLES: usize, const COATED: bool>(
+    pub fn block<S: Simd, const SAMPLES: usize, const HAS_MATERIALS: bool>(
         &mut self,
         simd: S,
         shown: &[u32],
@@ -103,7 +103,7 @@ impl Gather<'_> {
             if *samples == [first; SAMPLES] {
                 if first != NONE {
                     let middle = [EIGHTHS / 2; 2];
-                    self.fragment::<S, COATED>(simd, pixel, first, SAMPLES, middle);
+                    self.fragment::<S, HAS_MATERIALS>(simd, pixel, first, SAMPLES, middle);
                 }
                 continue;
             }
@@ -112,7 +112,7 @@ impl Gather<'_> {
                     let count = samples.iter().filter(|other| **other == number).count();
                     // Shaded where the triangle is for certain: at the first of its samples.
                     let place = positions[sample];
-                    self.fragment::<S, COATED>(simd, pixel, number, count, place);
+                    self.fragment::<S, HAS_MATERIALS>(simd, pixel, number, count, place);
                 }
             }
         }
@@ -120,7 +120,7 @@ impl Gather<'_> {
 
     /// `place` is where in the pixel it is shaded, in eighths.
     #[inline(always)]
-    pub fn fragment<S: Simd, const COATED: bool>(
+    pub fn fragment<S: Simd, const HAS_MATERIALS: bool>(
         &mut self,
         simd: S,
         pixel: usize,
@@ -145,13 +145,15 @@ impl Gather<'_> {
             pixel_at[1] + place[1] as f32 * eighth - planes.origin[1],
         ];
         let diffuse = match *color {
-            BaseColor::Coat(triangle) if COATED => {
-                let triangle = &self.coated[triangle as usize];
-                let of = &self.picture.geometry.coated[triangle.coated as usize];
+            BaseColor::Material(triangle) if HAS_MATERIALS => {
+                let triangle = &self.material_triangles[triangle as usize];
+                let of = &self.picture.geometry.materials[triangle.material as usize];
                 let shown = triangle.shown(simd, of, planes, from_origin, pixel_at, params);
-                return self.fragments.add_coated(pixel, samples, shown);
+                return self.fragments.add_with_material(pixel, samples, shown);
             }
-            BaseColor::Coat(_) => unreachable!("only pictures with coats have coated triangles"),
+            BaseColor::Material(_) => {
+                unreachable!("only pictures with materials have such triangles")
+            }
             BaseColor::Uniform(color) => color,
             BaseColor::Texture(surface) => {
                 let Paint::Textured(texture, _) =
@@ -169,10 +171,10 @@ impl Gather<'_> {
             position: planes.position.at(simd, from_origin).to_array(),
             diffuse,
         };
-        if COATED {
-            let finish = MaterialSample::plain(params);
+        if HAS_MATERIALS {
+            let material = MaterialSample::plain(params);
             self.fragments
-                .add_coated(pixel, samples, (fragment, finish));
+                .add_with_material(pixel, samples, (fragment, material));
         } else {
             self.fragments.add(pixel, samples, fragment);
         }
@@ -196,7 +198,9 @@ impl Gather<'_> {
         let is_bare = params.flat_normals == 1;
         let is_flat = match place.surface.paint {
             Paint::Plain | Paint::Textured(..) => is_bare,
-            Paint::Coated(coated) => is_bare || geometry.coated[coated as usize].coat.is_flat == 1,
+            Paint::Material(material) => {
+                is_bare || geometry.materials[material as usize].params.is_flat == 1
+            }
             Paint::Lines(_) | Paint::Solids(_) => false,
         };
         // It has samples, so it is no line.
@@ -216,11 +220,11 @@ impl Gather<'_> {
                     surfaces.partition_point(|it| it.first_triangle < place.surface.first_triangle);
                 BaseColor::Texture(index as u32)
             }
-            Paint::Coated(coated) => {
-                let of = &geometry.coated[coated as usize];
-                let triangle = CoatedTriangle::of(simd, coated, of, &corners, is_bare);
-                self.coated.push(triangle);
-                BaseColor::Coat(self.coated.len() as u32 - 1)
+            Paint::Material(material) => {
+                let of = &geometry.materials[material as usize];
+                let triangle = MaterialTriangle::of(simd, material, of, &corners, is_bare);
+                self.material_triangles.push(triangle);
+                BaseColor::Material(self.material_triangles.len() as u32 - 1)
             }
         };
         let planes = Planes::of(simd, corners, side, is_flat);

@@ -4,13 +4,13 @@
 mod alpha_test;
 mod bin;
 mod clip;
-mod coated;
 mod gather;
 mod geometry;
 mod instance;
 mod interpolate;
 mod lanes;
 mod lines;
+mod material;
 mod overlay;
 mod picture;
 mod project;

@@ -18,7 +18,7 @@ pub(super) struct Fragment {
     pub diffuse: [f32; 4],
 }
 
-/// What a coat does beside scattering.
+/// What a material does beside diffuse reflection.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct MaterialSample {
     /// Linear RGB, and shininess.
@@ -34,7 +34,7 @@ pub(super) struct MaterialSample {
 }
 
 impl MaterialSample {
-    /// Of what has no coat.
+    /// Of what has no material of its own.
     #[inline(always)]
     pub fn plain(params: &InstanceParams) -> Self {
         Self {
@@ -52,9 +52,9 @@ pub(super) struct Fragments {
     /// In the block, and at how many samples of it the fragment is seen.
     pub pixel: Vec<(u8, u8)>,
     pub given: Vec<Fragment>,
-    /// Of pictures of coated surfaces.
-    pub finish: Vec<MaterialSample>,
-    /// Linear, from 0 to 1, and 1; of coated surfaces premultiplied, and their opacity.
+    /// Of pictures in which materials differ.
+    pub material: Vec<MaterialSample>,
+    /// Linear, from 0 to 1, and 1; where materials differ premultiplied, and their opacity.
     pub color: Vec<[f32; 4]>,
 }
 
@@ -68,17 +68,17 @@ impl Fragments {
         self.count += 1;
     }
 
-    pub fn add_coated(
+    pub fn add_with_material(
         &mut self,
         pixel: usize,
         samples: usize,
-        (fragment, finish): (Fragment, MaterialSample),
+        (fragment, material): (Fragment, MaterialSample),
     ) {
-        if self.finish.is_empty() {
+        if self.material.is_empty() {
             // Most pictures need none.
-            self.finish.resize(Self::MOST, MaterialSample::default());
+            self.material.resize(Self::MOST, MaterialSample::default());
         }
-        self.finish[self.count] = finish;
+        self.material[self.count] = material;
         self.add(pixel, samples, fragment);
     }
 }
@@ -89,15 +89,15 @@ impl Default for Fragments {
             count: 0,
             pixel: vec![(0, 0); Self::MOST],
             given: vec![Fragment::default(); Self::MOST],
-            finish: Vec::new(),
+            material: Vec::new(),
             color: vec![[0.0; 4]; Self::MOST],
         }
     }
 }
 
-/// Colors all fragments. `COATED`: each has a finish; otherwise that of all is the one of `plain`.
+/// Colors all fragments. `HAS_MATERIALS`: each has a material; otherwise that of all is the one of `plain`.
 #[inline(always)]
-pub(super) fn shade<S: Simd, const COATED: bool>(
+pub(super) fn shade<S: Simd, const HAS_MATERIALS: bool>(
     simd: S,
     view: &View,
     plain: &InstanceParams,
@@ -132,11 +132,11 @@ pub(super) fn shade<S: Simd, const COATED: bool>(
             z: blue,
         };
         let is_lit = is_lit.simd_gt(0.0);
-        let colors = if COATED {
-            let finish = &fragments.finish.as_chunks::<LANES>().0[group];
-            let finish = SampleLanes::load(simd, finish);
-            let lit = blinn_phong(simd, view, position, normal, diffuse, &finish);
-            let alpha = finish.alpha;
+        let colors = if HAS_MATERIALS {
+            let material = &fragments.material.as_chunks::<LANES>().0[group];
+            let material = SampleLanes::load(simd, material);
+            let lit = blinn_phong(simd, view, position, normal, diffuse, &material);
+            let alpha = material.alpha;
             rows_of([
                 is_lit.select(lit.x, saturate(red)) * alpha,
                 is_lit.select(lit.y, saturate(green)) * alpha,
@@ -232,14 +232,14 @@ struct SampleLanes<S: Simd> {
 
 impl<S: Simd> SampleLanes<S> {
     #[inline(always)]
-    fn load(simd: S, finish: &[MaterialSample; LANES]) -> Self {
+    fn load(simd: S, material: &[MaterialSample; LANES]) -> Self {
         let mut rows = [[f32x4::splat(simd, 0.0); LANES]; 5];
         for lane in 0..LANES {
-            rows[0][lane] = f32x4::load_array(simd, finish[lane].specular);
-            rows[1][lane] = f32x4::load_array(simd, finish[lane].emissive);
-            rows[2][lane] = f32x4::load_array(simd, finish[lane].mapped);
-            rows[3][lane] = f32x4::load_array(simd, finish[lane].right);
-            rows[4][lane] = f32x4::load_array(simd, finish[lane].up);
+            rows[0][lane] = f32x4::load_array(simd, material[lane].specular);
+            rows[1][lane] = f32x4::load_array(simd, material[lane].emissive);
+            rows[2][lane] = f32x4::load_array(simd, material[lane].mapped);
+            rows[3][lane] = f32x4::load_array(simd, material[lane].right);
+            rows[4][lane] = f32x4::load_array(simd, material[lane].up);
         }
         let (specular, shininess) = vectors(transposed(rows[0]));
         let (emissive, alpha) = vectors(transposed(rows[1]));
@@ -329,14 +329,14 @@ fn blinn_phong<S: Simd, F: MaterialTerms<S>>(
     position: Vectors<S>,
     normal: Vectors<S>,
     diffuse: Vectors<S>,
-    finish: &F,
+    material: &F,
 ) -> Vectors<S> {
     let zero = Lanes::splat(simd, 0.0);
     let nothing = Vectors::splat(simd, [0.0; 3]);
     let toward_eye = toward(view.eye_in_world, position).unit_or(nothing);
     // A surface without a normal faces the eye.
-    let normal = finish.perturbed(normal.unit_or(toward_eye));
-    let has_highlight = finish.has_highlight();
+    let normal = material.perturbed(normal.unit_or(toward_eye));
+    let has_highlight = material.has_highlight();
     let [ar, ag, ab] = view.ambient.to_array();
     let mut color = Vectors {
         x: diffuse.x * ar,
@@ -360,7 +360,7 @@ fn blinn_phong<S: Simd, F: MaterialTerms<S>>(
         let [lr, lg, lb, falls_off] = light.radiance.to_array();
         let strength = if falls_off == 1.0 {
             let distance_squared = to_light.dot(to_light);
-            1.0 / finish.at_least(distance_squared)
+            1.0 / material.at_least(distance_squared)
         } else {
             Lanes::splat(simd, 1.0)
         };
@@ -384,11 +384,11 @@ fn blinn_phong<S: Simd, F: MaterialTerms<S>>(
             let cosine_squared = squared
                 .simd_gt(zero)
                 .select(n_dot_h * n_dot_h / squared, zero);
-            let highlight = finish.highlight(cosine_squared) * strength;
-            color = color.plus(finish.specular_term(highlight, [lr, lg, lb]));
+            let highlight = material.highlight(cosine_squared) * strength;
+            color = color.plus(material.specular_term(highlight, [lr, lg, lb]));
         }
     }
-    let color = finish.with_emissive(color);
+    let color = material.with_emissive(color);
     Vectors {
         x: saturate(color.x),
         y: saturate(color.y),

@@ -3,10 +3,10 @@
 
 use super::alpha_test::AlphaTest;
 use super::bin::{Chunk, Grid, Rectangle, TILE, seen};
-use super::coated::Coated;
 use super::gather::{Drawn, Gather, Triangles};
 use super::geometry::{Corner, Geometry, Layer, Paint, Place};
 use super::lanes::LANES;
+use super::material::PartMaterial;
 use super::overlay::{Overlay, Under};
 use super::project::Projected;
 use super::raster::{self, CoverageTest, Footprint, Mark, Nearest, Opaque};
@@ -27,7 +27,7 @@ pub(super) struct Picturing<'a> {
     pub view: &'a View,
     /// What surfaces without a material of their own have in common, where `has_materials` does not hold.
     pub plain: &'a InstanceParams,
-    /// Whether each fragment has a finish of its own.
+    /// Whether each fragment has a material of its own.
     pub has_materials: bool,
     pub resolve: Resolve,
     pub has_skin_layer: bool,
@@ -123,8 +123,8 @@ impl TileRoom {
                     piece: 0,
                     setup: NONE,
                 };
-                if let Some(coated) = masked(geometry, place) {
-                    self.masked(simd, &canvas, place, drawn, coated);
+                if let Some(material) = masked(geometry, place) {
+                    self.masked(simd, &canvas, place, drawn, material);
                     continue;
                 }
                 let corners = geometry.projected_of(place);
@@ -178,7 +178,7 @@ impl TileRoom {
         canvas: &Canvas<'_, S>,
         place: Place<'_>,
         drawn: Drawn,
-        coated: &Coated<'_>,
+        material: &PartMaterial<'_>,
     ) {
         simd.vectorize(
             #[inline(always)]
@@ -189,7 +189,7 @@ impl TileRoom {
                 let mut draw = |drawn: Drawn, corners: [Corner; 3]| {
                     let projected = corners.map(|corner| corner.projected);
                     if seen(projected, place, &picture.grid, picture.pattern).is_some() {
-                        let alpha_test = AlphaTest::of(simd, coated, &corners);
+                        let alpha_test = AlphaTest::of(simd, material, &corners);
                         self.triangle(canvas, place, drawn, projected, &alpha_test);
                     }
                 };
@@ -302,13 +302,13 @@ impl<'a, S: Simd> Canvas<'a, S> {
     }
 }
 
-/// What a triangle's surface is coated with, if that has holes.
+/// The material of a triangle's surface, if that has holes.
 #[inline(always)]
-fn masked<'a>(geometry: &Geometry<'a>, place: Place<'_>) -> Option<&'a Coated<'a>> {
+fn masked<'a>(geometry: &Geometry<'a>, place: Place<'_>) -> Option<&'a PartMaterial<'a>> {
     match place.surface.paint {
-        Paint::Coated(coated) => {
-            let coated = &geometry.coated[coated as usize];
-            coated.has_holes().then_some(coated)
+        Paint::Material(material) => {
+            let material = &geometry.materials[material as usize];
+            material.has_holes().then_some(material)
         }
         _ => None,
     }
@@ -329,13 +329,18 @@ pub(super) fn shade_shown<S: Simd>(
         }
         shade::<S, false>(simd, picture.view, picture.plain, gather.fragments);
     } else {
-        coated(simd, picture, gather, shown);
+        shade_materials(simd, picture, gather, shown);
     }
 }
 
-/// Gathers and shades a block that may show coated surfaces. By itself, so that it does not lie in the way of pictures without.
+/// Gathers and shades a block that may show surfaces with materials of their own. By itself, so that it does not lie in the way of pictures without.
 #[inline(never)]
-fn coated<S: Simd>(simd: S, picture: &Picturing<'_>, mut gather: Gather<'_>, shown: &[u32]) {
+fn shade_materials<S: Simd>(
+    simd: S,
+    picture: &Picturing<'_>,
+    mut gather: Gather<'_>,
+    shown: &[u32],
+) {
     simd.vectorize(
         #[inline(always)]
         || {
