@@ -2,13 +2,13 @@
 //! Never lives here: sockets, files, encoders.
 
 mod adapter;
-mod coat;
 pub mod cpu;
 mod cull;
 mod error;
 pub mod gpu;
 mod instance;
 mod instance_params;
+mod material_params;
 mod order;
 mod outward;
 mod plan;

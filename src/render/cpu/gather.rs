@@ -2,11 +2,11 @@
 //! Never lives here: light.
 
 use super::bin::side;
-use super::coated::{CoatedTriangle, Texcoords};
 use super::geometry::Paint;
 use super::interpolate::Planes;
+use super::material::{MaterialTriangle, Texcoords};
 use super::samples::{BLOCK, EIGHTHS, NONE};
-use super::shade::{Finish, Fragment, Fragments};
+use super::shade::{Fragment, Fragments, MaterialSample};
 use super::texture;
 use super::tile::Picturing;
 use crate::render::cull::Side;
@@ -19,8 +19,8 @@ pub(super) struct Gather<'a> {
     /// The picture's pixel at the block's upper left corner.
     pub at: [u32; 2],
     drawn: &'a mut [Drawn],
-    looked_up: &'a mut Vec<LookedUp>,
-    coated: &'a mut Vec<CoatedTriangle>,
+    setup: &'a mut Vec<TriangleSetup>,
+    material_triangles: &'a mut Vec<MaterialTriangle>,
     pub fragments: &'a mut Fragments,
 }
 
@@ -29,16 +29,16 @@ pub(super) struct Gather<'a> {
 pub(super) struct Triangles {
     /// By the numbers that samples keep.
     pub drawn: Vec<Drawn>,
-    looked_up: Vec<LookedUp>,
-    /// Of those that are looked up, the ones with coats.
-    coated: Vec<CoatedTriangle>,
+    setup: Vec<TriangleSetup>,
+    /// Of those that are looked up, the ones with materials of their own.
+    material_triangles: Vec<MaterialTriangle>,
 }
 
 impl Triangles {
     pub fn clear(&mut self) {
         self.drawn.clear();
-        self.looked_up.clear();
-        self.coated.clear();
+        self.setup.clear();
+        self.material_triangles.clear();
     }
 
     /// For the block with the picture's pixel `at` at its upper left corner.
@@ -54,8 +54,8 @@ impl Triangles {
             picture,
             at,
             drawn: &mut self.drawn,
-            looked_up: &mut self.looked_up,
-            coated: &mut self.coated,
+            setup: &mut self.setup,
+            material_triangles: &mut self.material_triangles,
             fragments,
         }
     }
@@ -68,31 +68,31 @@ pub(super) struct Drawn {
     /// Of a triangle that was cut, which of its pieces.
     pub piece: u32,
     /// Index into what was looked up, or [`NONE`] where it has not been seen yet.
-    pub looked_up: u32,
+    pub setup: u32,
 }
 
 /// A triangle that is seen.
-struct LookedUp {
+struct TriangleSetup {
     planes: Planes,
     /// Index of its instance.
     instance: u32,
-    color: Scatter,
+    color: BaseColor,
 }
 
 /// What a triangle scatters.
 #[derive(Clone, Copy)]
-enum Scatter {
-    Everywhere([f32; 4]),
+enum BaseColor {
+    Uniform([f32; 4]),
     /// The texture of the surface of this number.
     Texture(u32),
-    /// What the coated triangle of this number does.
-    Coat(u32),
+    /// What the triangle of this number does whose material is its own.
+    Material(u32),
 }
 
 impl Gather<'_> {
-    /// What the samples of a block show. `COATED`: there may be coated surfaces among it.
+    /// What the samples of a block show. `HAS_MATERIALS`: surfaces among it may have materials of their own.
     #[inline(always)]
-    pub fn block<S: Simd, const SAMPLES: usize, const COATED: bool>(
+    pub fn block<S: Simd, const SAMPLES: usize, const HAS_MATERIALS: bool>(
         &mut self,
         simd: S,
         shown: &[u32],
@@ -103,7 +103,7 @@ impl Gather<'_> {
             if *samples == [first; SAMPLES] {
                 if first != NONE {
                     let middle = [EIGHTHS / 2; 2];
-                    self.fragment::<S, COATED>(simd, pixel, first, SAMPLES, middle);
+                    self.fragment::<S, HAS_MATERIALS>(simd, pixel, first, SAMPLES, middle);
                 }
                 continue;
             }
@@ -112,7 +112,7 @@ impl Gather<'_> {
                     let count = samples.iter().filter(|other| **other == number).count();
                     // Shaded where the triangle is for certain: at the first of its samples.
                     let place = positions[sample];
-                    self.fragment::<S, COATED>(simd, pixel, number, count, place);
+                    self.fragment::<S, HAS_MATERIALS>(simd, pixel, number, count, place);
                 }
             }
         }
@@ -120,7 +120,7 @@ impl Gather<'_> {
 
     /// `place` is where in the pixel it is shaded, in eighths.
     #[inline(always)]
-    pub fn fragment<S: Simd, const COATED: bool>(
+    pub fn fragment<S: Simd, const HAS_MATERIALS: bool>(
         &mut self,
         simd: S,
         pixel: usize,
@@ -128,12 +128,12 @@ impl Gather<'_> {
         samples: usize,
         place: [i32; 2],
     ) {
-        let looked_up = self.look_up(simd, number);
-        let LookedUp {
+        let setup = self.set_up(simd, number);
+        let TriangleSetup {
             planes,
             instance,
             color,
-        } = &self.looked_up[looked_up];
+        } = &self.setup[setup];
         let params = &self.picture.geometry.instances[*instance as usize].params;
         let pixel_at = [
             (self.at[0] + pixel as u32 % BLOCK) as f32,
@@ -145,15 +145,17 @@ impl Gather<'_> {
             pixel_at[1] + place[1] as f32 * eighth - planes.origin[1],
         ];
         let diffuse = match *color {
-            Scatter::Coat(triangle) if COATED => {
-                let triangle = &self.coated[triangle as usize];
-                let of = &self.picture.geometry.coated[triangle.coated as usize];
+            BaseColor::Material(triangle) if HAS_MATERIALS => {
+                let triangle = &self.material_triangles[triangle as usize];
+                let of = &self.picture.geometry.materials[triangle.material as usize];
                 let shown = triangle.shown(simd, of, planes, from_origin, pixel_at, params);
-                return self.fragments.add_coated(pixel, samples, shown);
+                return self.fragments.add_with_material(pixel, samples, shown);
             }
-            Scatter::Coat(_) => unreachable!("only pictures with coats have coated triangles"),
-            Scatter::Everywhere(color) => color,
-            Scatter::Texture(surface) => {
+            BaseColor::Material(_) => {
+                unreachable!("only pictures with materials have such triangles")
+            }
+            BaseColor::Uniform(color) => color,
+            BaseColor::Texture(surface) => {
                 let Paint::Textured(texture, _) =
                     self.picture.geometry.surfaces[surface as usize].paint
                 else {
@@ -169,10 +171,10 @@ impl Gather<'_> {
             position: planes.position.at(simd, from_origin).to_array(),
             diffuse,
         };
-        if COATED {
-            let finish = Finish::plain(params);
+        if HAS_MATERIALS {
+            let material = MaterialSample::plain(params);
             self.fragments
-                .add_coated(pixel, samples, (fragment, finish));
+                .add_with_material(pixel, samples, (fragment, material));
         } else {
             self.fragments.add(pixel, samples, fragment);
         }
@@ -180,14 +182,14 @@ impl Gather<'_> {
 
     /// What is interpolated over a triangle is worked out when it is first seen.
     #[inline(always)]
-    fn look_up<S: Simd>(&mut self, simd: S, number: u32) -> usize {
+    fn set_up<S: Simd>(&mut self, simd: S, number: u32) -> usize {
         let Drawn {
             triangle,
             piece,
-            looked_up,
+            setup,
         } = self.drawn[number as usize];
-        if looked_up != NONE {
-            return looked_up as usize;
+        if setup != NONE {
+            return setup as usize;
         }
         let geometry = &self.picture.geometry;
         let place = geometry.place(triangle);
@@ -196,41 +198,43 @@ impl Gather<'_> {
         let is_bare = params.flat_normals == 1;
         let is_flat = match place.surface.paint {
             Paint::Plain | Paint::Textured(..) => is_bare,
-            Paint::Coated(coated) => is_bare || geometry.coated[coated as usize].coat.is_flat == 1,
+            Paint::Material(material) => {
+                is_bare || geometry.materials[material as usize].params.is_flat == 1
+            }
             Paint::Lines(_) | Paint::Solids(_) => false,
         };
         // It has samples, so it is no line.
         let side = side(corners.map(|corner| corner.projected)).unwrap_or(Side::Front);
         let color = match place.surface.paint {
             Paint::Lines(segments) => {
-                Scatter::Everywhere(segments[place.triangle / 2].color.extend(0.0).to_array())
+                BaseColor::Uniform(segments[place.triangle / 2].color.extend(0.0).to_array())
             }
             Paint::Solids(vertices) => {
                 let first = place.surface.triangles[place.triangle][0];
-                Scatter::Everywhere(vertices[first as usize].color.extend(1.0).to_array())
+                BaseColor::Uniform(vertices[first as usize].color.extend(1.0).to_array())
             }
-            Paint::Plain => Scatter::Everywhere(params.diffuse.extend(1.0).to_array()),
+            Paint::Plain => BaseColor::Uniform(params.diffuse.extend(1.0).to_array()),
             Paint::Textured(..) => {
                 let surfaces = geometry.surfaces;
                 let index =
                     surfaces.partition_point(|it| it.first_triangle < place.surface.first_triangle);
-                Scatter::Texture(index as u32)
+                BaseColor::Texture(index as u32)
             }
-            Paint::Coated(coated) => {
-                let of = &geometry.coated[coated as usize];
-                let triangle = CoatedTriangle::of(simd, coated, of, &corners, is_bare);
-                self.coated.push(triangle);
-                Scatter::Coat(self.coated.len() as u32 - 1)
+            Paint::Material(material) => {
+                let of = &geometry.materials[material as usize];
+                let triangle = MaterialTriangle::of(simd, material, of, &corners, is_bare);
+                self.material_triangles.push(triangle);
+                BaseColor::Material(self.material_triangles.len() as u32 - 1)
             }
         };
         let planes = Planes::of(simd, corners, side, is_flat);
-        let index = self.looked_up.len();
-        self.looked_up.push(LookedUp {
+        let index = self.setup.len();
+        self.setup.push(TriangleSetup {
             planes,
             instance: place.surface.instance,
             color,
         });
-        self.drawn[number as usize].looked_up = index as u32;
+        self.drawn[number as usize].setup = index as u32;
         index
     }
 }

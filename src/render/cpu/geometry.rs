@@ -2,8 +2,8 @@
 //! order in which they are drawn: where two are equally near, the first one shows; those that blend come last. Never lives here: where triangles fall.
 
 use super::clip::{Unplaced, clip};
-use super::coated::Coated;
 use super::instance::DrawnInstance;
+use super::material::PartMaterial;
 use super::project::Projected;
 use crate::render::cull::Side;
 use crate::render::{Segment, SolidVertex};
@@ -40,7 +40,7 @@ pub(super) enum Paint<'a> {
     Plain,
     Textured(&'a Texture, &'a [Vec2]),
     /// By number.
-    Coated(u32),
+    Material(u32),
 }
 
 /// What a sample is kept in.
@@ -61,7 +61,7 @@ pub(super) struct Geometry<'a> {
     /// From this triangle on they blend: one after another is laid over the base.
     pub first_blending: u32,
     /// What some of them are painted with.
-    pub coated: &'a [Coated<'a>],
+    pub materials: &'a [PartMaterial<'a>],
     /// Every vertex.
     pub projected: &'a [Projected],
     /// Of the vertices of lines.
@@ -88,7 +88,7 @@ pub(super) struct Place<'a> {
 }
 
 impl<'a> Paint<'a> {
-    /// Of a part of a mesh of `rig` that has no coat.
+    /// Of a part of a mesh of `rig` without a material of its own.
     pub fn of(rig: &'a Rig, mesh: &'a Mesh, part: &Part, variant: Option<usize>) -> Self {
         let texture = rig
             .material_of(part, variant)
@@ -201,10 +201,10 @@ impl<'a> Geometry<'a> {
             match *paint {
                 Paint::Lines(_) | Paint::Solids(_) | Paint::Plain => {}
                 Paint::Textured(_, texcoords) => corner.texcoord = texcoords[own].to_array(),
-                Paint::Coated(coated) => {
-                    let Coated {
+                Paint::Material(material) => {
+                    let PartMaterial {
                         texcoords, colors, ..
-                    } = self.coated[coated as usize];
+                    } = self.materials[material as usize];
                     if let Some(texcoords) = texcoords {
                         corner.texcoord = texcoords[own].to_array();
                     }

@@ -163,7 +163,7 @@ fn square<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 4] {
 
 /// Held between 0 and 1; 0 of what is no number, which maximum and minimum do not say the same of on every machine.
 #[inline(always)]
-pub(super) fn held<S: Simd>(x: Lanes<S>) -> Lanes<S> {
+pub(super) fn saturate<S: Simd>(x: Lanes<S>) -> Lanes<S> {
     let zero = Lanes::splat(x.token(), 0.0);
     x.simd_gt(zero).select(x, zero).min(1.0)
 }

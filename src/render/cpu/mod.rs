@@ -1,16 +1,16 @@
 //! The picture without a GPU, stage by stage the twin of `gpu` and `shaders/`: skin, project, sort by tiles, raster, shade, resolve.
 //! The same bytes for the same plan on every machine, whatever its threads and its vector unit: see `lanes`.
 
+mod alpha_test;
 mod bin;
 mod clip;
-mod coated;
-mod cutout;
 mod gather;
 mod geometry;
 mod instance;
 mod interpolate;
 mod lanes;
 mod lines;
+mod material;
 mod overlay;
 mod picture;
 mod project;

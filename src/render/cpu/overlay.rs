@@ -4,7 +4,7 @@
 use super::gather::{Drawn, Triangles};
 use super::geometry::{Layer, Place};
 use super::project::Projected;
-use super::raster::{self, Everywhere, Target};
+use super::raster::{self, Opaque, Target};
 use super::samples::{
     BLOCK, BLOCK_COLUMNS, BLOCK_PIXELS, BLOCKS, EIGHTHS, GROUP, NONE, TileSamples,
 };
@@ -92,7 +92,7 @@ impl Overlay {
                     let drawn = Drawn {
                         triangle,
                         piece,
-                        looked_up: NONE,
+                        setup: NONE,
                     };
                     self.record(simd, &canvas, under.samples, place, drawn, corners);
                 }
@@ -141,7 +141,7 @@ impl Overlay {
                     hits: &mut self.hits,
                     number: self.triangles.drawn.len() as u32,
                 };
-                raster::draw(footprint, target, tile.min, corners, reached, &Everywhere);
+                raster::draw(footprint, target, tile.min, corners, reached, &Opaque);
                 // So that no more are kept than there are hits.
                 if self.hits.len() > before {
                     self.triangles.drawn.push(drawn);

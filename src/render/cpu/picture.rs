@@ -1,10 +1,10 @@
 //! A picture from plan to pixels, stage after stage. Never lives here: how a stage does its work.
 
 use super::bin::{Chunk, Grid, TILE};
-use super::coated::Coated;
 use super::geometry::{Geometry, Layer, Paint, Surface};
 use super::instance::DrawnInstance;
 use super::lines;
+use super::material::PartMaterial;
 use super::project::{Projected, Projection};
 use super::resolve::Resolve;
 use super::room::Room;
@@ -63,13 +63,13 @@ impl Cpu {
         blending_parts(plan, &mut room.blending);
         let lists = Lists {
             surfaces: emptied(std::mem::take(&mut room.surfaces)),
-            coated: emptied(std::mem::take(&mut room.coated)),
+            materials: emptied(std::mem::take(&mut room.materials)),
             meshes: emptied(std::mem::take(&mut room.meshes)),
             first_blending: 0,
         };
         let Lists {
             surfaces,
-            coated,
+            materials,
             meshes,
             first_blending,
         } = lists.filled(subject, &room);
@@ -77,7 +77,7 @@ impl Cpu {
             instances: &room.instances,
             surfaces: &surfaces,
             first_blending,
-            coated: &coated,
+            materials: &materials,
             projected: &room.projected,
             line_corners: &room.line_corners,
         };
@@ -102,7 +102,7 @@ impl Cpu {
             pattern,
             view: &view,
             plain: &plain,
-            has_finishes: !coated.is_empty() || !are_finished_alike(&room.instances),
+            has_materials: !materials.is_empty() || !are_lit_alike(&room.instances),
             resolve: Resolve {
                 background: scene.background.premultiplied().to_array(),
                 sample_count: pattern.count(),
@@ -113,8 +113,8 @@ impl Cpu {
         };
         // Otherwise not everything was sorted.
         let color = spread.is_wanted().then(|| self.paint(&picturing, spread));
-        let (surfaces, coated) = (emptied(surfaces), emptied(coated));
-        (room.surfaces, room.coated, room.meshes) = (surfaces, coated, emptied(meshes));
+        let (surfaces, materials) = (emptied(surfaces), emptied(materials));
+        (room.surfaces, room.materials, room.meshes) = (surfaces, materials, emptied(meshes));
         room.chunks = chunks;
         color.filter(|_| spread.is_wanted())
     }
@@ -218,7 +218,7 @@ impl Room {
 }
 
 /// Whether surfaces of all of them that have no material of their own are lit alike.
-fn are_finished_alike(instances: &[DrawnInstance]) -> bool {
+fn are_lit_alike(instances: &[DrawnInstance]) -> bool {
     instances.windows(2).all(|pair| {
         let [one, other] = [&pair[0].params, &pair[1].params];
         one.specular == other.specular
@@ -235,10 +235,10 @@ fn layer_opacity(plan: &Plan) -> f32 {
     })
 }
 
-/// All surfaces of a picture, and the coats of some of them.
+/// All surfaces of a picture, and the materials of some of them.
 struct Lists<'a> {
     surfaces: Vec<Surface<'a>>,
-    coated: Vec<Coated<'a>>,
+    materials: Vec<PartMaterial<'a>>,
     meshes: Vec<SkinMesh<'a>>,
     /// The first triangle of them that blends.
     first_blending: u32,
@@ -366,12 +366,12 @@ impl<'a> Lists<'a> {
         let own = own.clone();
         let skin = subject.skin;
         let (rig, surface) = (instance.rig(), &instance.appearance().surface);
-        let coated = Coated::of(rig, mesh, part, surface);
-        let paint = match coated {
-            Some(_) => Paint::Coated(self.coated.len() as u32),
+        let material = PartMaterial::of(rig, mesh, part, surface);
+        let paint = match material {
+            Some(_) => Paint::Material(self.materials.len() as u32),
             None => Paint::of(rig, mesh, part, surface.variant),
         };
-        self.coated.extend(coated);
+        self.materials.extend(material);
         for piece in culling.pieces(part) {
             self.add(Surface {
                 triangles: &mesh.draw_triangles()[piece.triangles],

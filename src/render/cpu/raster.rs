@@ -110,21 +110,21 @@ impl Edge {
 }
 
 /// In which of the pixels that a triangle covers it is there.
-pub(super) trait Presence {
+pub(super) trait CoverageTest {
     /// Whether it is in all of them.
-    const IS_EVERYWHERE: bool;
+    const PASSES_ALWAYS: bool;
 
-    fn is_at(&self, pixel: [u32; 2]) -> bool;
+    fn passes(&self, pixel: [u32; 2]) -> bool;
 }
 
 /// Of a surface without holes.
-pub(super) struct Everywhere;
+pub(super) struct Opaque;
 
-impl Presence for Everywhere {
-    const IS_EVERYWHERE: bool = true;
+impl CoverageTest for Opaque {
+    const PASSES_ALWAYS: bool = true;
 
     #[inline(always)]
-    fn is_at(&self, _: [u32; 2]) -> bool {
+    fn passes(&self, _: [u32; 2]) -> bool {
         true
     }
 }
@@ -256,13 +256,13 @@ impl Sides {
 /// Draws a triangle onto the samples of a tile where it is nearer than what is there. `reached` lies within the tile, whose upper left
 /// pixel is `corner`.
 #[inline(always)]
-pub(super) fn draw<S: Simd, T: Target, P: Presence>(
+pub(super) fn draw<S: Simd, T: Target, P: CoverageTest>(
     footprint: &Footprint<S>,
     target: T,
     corner: [u32; 2],
     corners: [Projected; 3],
     reached: Rectangle,
-    presence: &P,
+    test: &P,
 ) {
     /// Pixels: of a triangle that is no longer no edge function exceeds `2 · 64 · 8 · 64 · 256`, which is 2^24, within its rectangle.
     const SMALL: u32 = 64;
@@ -279,7 +279,7 @@ pub(super) fn draw<S: Simd, T: Target, P: Presence>(
         footprint,
         target,
         corner,
-        presence,
+        test,
         depth: Depth {
             origin: slope.origin,
             at_origin: a.depth,
@@ -316,7 +316,7 @@ pub(super) fn draw<S: Simd, T: Target, P: Presence>(
             let last = [at[0] + BLOCK - 1, at[1] + BLOCK - 1];
             walk.rectangle(through, reached.within(at, last));
             // One with holes hides nothing for certain.
-            if T::HIDES && P::IS_EVERYWHERE && through.iter().all(Option::is_none) {
+            if T::HIDES && P::PASSES_ALWAYS && through.iter().all(Option::is_none) {
                 let there = walk.target.samples().least_depth(in_tile);
                 *there = there.max(least);
             }
@@ -353,11 +353,11 @@ struct Walk<'a, S: Simd, T, P> {
     footprint: &'a Footprint<S>,
     target: T,
     corner: [u32; 2],
-    presence: &'a P,
+    test: &'a P,
     depth: Depth,
 }
 
-impl<S: Simd, T: Target, P: Presence> Walk<'_, S, T, P> {
+impl<S: Simd, T: Target, P: CoverageTest> Walk<'_, S, T, P> {
     /// Every sample of the pixels of `within`, as far as it is inside of those edges that are given. 32 bits hold their functions there.
     #[inline(always)]
     fn rectangle(&mut self, edges: [Option<Edge>; 3], within: Rectangle) {
@@ -404,17 +404,17 @@ impl<S: Simd, T: Target, P: Presence> Walk<'_, S, T, P> {
     #[inline(always)]
     fn show(&mut self, pixel: [u32; 2], covered: mask32x8<S>, nearness: f32x8<S>) {
         let of_tile = [pixel[0] - self.corner[0], pixel[1] - self.corner[1]];
-        let (presence, pixels) = (self.presence, self.footprint.pixels);
+        let (test, pixels) = (self.test, self.footprint.pixels);
         self.target.show(
             of_tile,
             covered,
             nearness,
             #[inline(always)]
             |wins| {
-                if P::IS_EVERYWHERE {
+                if P::PASSES_ALWAYS {
                     wins
                 } else {
-                    present(presence, pixel, pixels, wins)
+                    present(test, pixel, pixels, wins)
                 }
             },
         );
@@ -423,8 +423,8 @@ impl<S: Simd, T: Target, P: Presence> Walk<'_, S, T, P> {
 
 /// Those samples of a group, whose first pixel this is, in whose pixel a triangle is there.
 #[inline(always)]
-fn present<S: Simd, P: Presence>(
-    presence: &P,
+fn present<S: Simd, P: CoverageTest>(
+    test: &P,
     [x, y]: [u32; 2],
     pixels: u32,
     wins: mask32x8<S>,
@@ -434,7 +434,7 @@ fn present<S: Simd, P: Presence>(
     let mut left = wins.to_bitmask();
     for index in 0..pixels {
         let own = of_pixel << (index * samples);
-        if left & own != 0 && !presence.is_at([x + index, y]) {
+        if left & own != 0 && !test.passes([x + index, y]) {
             left &= !own;
         }
     }

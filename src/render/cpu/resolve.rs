@@ -1,7 +1,7 @@
 //! Stages 4 and 5, blend and resolve: the twin of `shaders/resolve.wgsl`. Samples of a pixel are averaged, layers laid over each other,
 //! and the outcome is encoded as sRGB.
 
-use super::lanes::{LANES, Lanes, held, power, transposed};
+use super::lanes::{LANES, Lanes, power, saturate, transposed};
 use super::samples::BLOCK_PIXELS;
 use super::shade::Fragments;
 use fearless_simd::prelude::*;
@@ -118,7 +118,7 @@ fn encoded<S: Simd>([r, g, b, alpha]: [Lanes<S>; 4]) -> u32x16<S> {
 /// From 0..1 to the nearest of 0..255.
 #[inline(always)]
 fn byte<S: Simd>(number: Lanes<S>) -> u32x16<S> {
-    (held(number) * 255.0 + 0.5).to_int()
+    (saturate(number) * 255.0 + 0.5).to_int()
 }
 
 /// IEC 61966-2-1.

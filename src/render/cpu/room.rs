@@ -1,9 +1,9 @@
 //! Memory that is worked in and kept: in a steady stream of like pictures none is asked for. Never lives here: what is in it.
 
 use super::bin::Chunk;
-use super::coated::Coated;
 use super::geometry::Surface;
 use super::instance::DrawnInstance;
+use super::material::PartMaterial;
 use super::picture::{SkinMesh, SolidVertices};
 use super::project::Projected;
 use crate::render::order::PartPlace;
@@ -21,7 +21,7 @@ pub(super) struct Room {
     pub chunks: Vec<Chunk>,
     /// Empty between pictures, as the next two.
     pub surfaces: Vec<Surface<'static>>,
-    pub coated: Vec<Coated<'static>>,
+    pub materials: Vec<PartMaterial<'static>>,
     pub meshes: Vec<SkinMesh<'static>>,
     /// Parts that blend, in their order.
     pub blending: Vec<(f64, PartPlace)>,

@@ -1,6 +1,6 @@
 //! Stage 3, shade: the twin of `shaders/light.wgsl`, for many fragments at a time. A fragment is what a triangle shows of one pixel.
 
-use super::lanes::{LANES, Lanes, Vectors, held, power, powers, rows_of, transposed};
+use super::lanes::{LANES, Lanes, Vectors, power, powers, rows_of, saturate, transposed};
 use crate::render::instance_params::InstanceParams;
 use crate::render::view::View;
 use fearless_simd::f32x4;
@@ -18,9 +18,9 @@ pub(super) struct Fragment {
     pub diffuse: [f32; 4],
 }
 
-/// What a coat does beside scattering.
+/// What a material does beside diffuse reflection.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Finish {
+pub(super) struct MaterialSample {
     /// Linear RGB, and shininess.
     pub specular: [f32; 4],
     /// Linear RGB, and how much of the fragment hides what is behind.
@@ -33,8 +33,8 @@ pub(super) struct Finish {
     pub up: [f32; 4],
 }
 
-impl Finish {
-    /// Of what has no coat.
+impl MaterialSample {
+    /// Of what has no material of its own.
     #[inline(always)]
     pub fn plain(params: &InstanceParams) -> Self {
         Self {
@@ -52,9 +52,9 @@ pub(super) struct Fragments {
     /// In the block, and at how many samples of it the fragment is seen.
     pub pixel: Vec<(u8, u8)>,
     pub given: Vec<Fragment>,
-    /// Of pictures of coated surfaces.
-    pub finish: Vec<Finish>,
-    /// Linear, from 0 to 1, and 1; of coated surfaces premultiplied, and their opacity.
+    /// Of pictures in which materials differ.
+    pub material: Vec<MaterialSample>,
+    /// Linear, from 0 to 1, and 1; where materials differ premultiplied, and their opacity.
     pub color: Vec<[f32; 4]>,
 }
 
@@ -68,17 +68,17 @@ impl Fragments {
         self.count += 1;
     }
 
-    pub fn add_coated(
+    pub fn add_with_material(
         &mut self,
         pixel: usize,
         samples: usize,
-        (fragment, finish): (Fragment, Finish),
+        (fragment, material): (Fragment, MaterialSample),
     ) {
-        if self.finish.is_empty() {
+        if self.material.is_empty() {
             // Most pictures need none.
-            self.finish.resize(Self::MOST, Finish::default());
+            self.material.resize(Self::MOST, MaterialSample::default());
         }
-        self.finish[self.count] = finish;
+        self.material[self.count] = material;
         self.add(pixel, samples, fragment);
     }
 }
@@ -89,15 +89,15 @@ impl Default for Fragments {
             count: 0,
             pixel: vec![(0, 0); Self::MOST],
             given: vec![Fragment::default(); Self::MOST],
-            finish: Vec::new(),
+            material: Vec::new(),
             color: vec![[0.0; 4]; Self::MOST],
         }
     }
 }
 
-/// Colors all fragments. `COATED`: each has a finish; otherwise that of all is the one of `plain`.
+/// Colors all fragments. `HAS_MATERIALS`: each has a material; otherwise that of all is the one of `plain`.
 #[inline(always)]
-pub(super) fn shade<S: Simd, const COATED: bool>(
+pub(super) fn shade<S: Simd, const HAS_MATERIALS: bool>(
     simd: S,
     view: &View,
     plain: &InstanceParams,
@@ -132,15 +132,15 @@ pub(super) fn shade<S: Simd, const COATED: bool>(
             z: blue,
         };
         let is_lit = is_lit.simd_gt(0.0);
-        let colors = if COATED {
-            let finish = &fragments.finish.as_chunks::<LANES>().0[group];
-            let finish = Finishes::load(simd, finish);
-            let lit = blinn_phong(simd, view, position, normal, diffuse, &finish);
-            let alpha = finish.alpha;
+        let colors = if HAS_MATERIALS {
+            let material = &fragments.material.as_chunks::<LANES>().0[group];
+            let material = SampleLanes::load(simd, material);
+            let lit = blinn_phong(simd, view, position, normal, diffuse, &material);
+            let alpha = material.alpha;
             rows_of([
-                is_lit.select(lit.x, held(red)) * alpha,
-                is_lit.select(lit.y, held(green)) * alpha,
-                is_lit.select(lit.z, held(blue)) * alpha,
+                is_lit.select(lit.x, saturate(red)) * alpha,
+                is_lit.select(lit.y, saturate(green)) * alpha,
+                is_lit.select(lit.z, saturate(blue)) * alpha,
                 alpha,
             ])
         } else {
@@ -160,27 +160,27 @@ pub(super) fn shade<S: Simd, const COATED: bool>(
 }
 
 /// What is lit, beside what it scatters.
-trait Finished<S: Simd> {
+trait MaterialTerms<S: Simd> {
     fn has_highlight(&self) -> bool;
 
     /// As strong as it is by the square of the cosine between normal and halfway.
     fn highlight(&self, cosine_squared: Lanes<S>) -> Lanes<S>;
 
     /// What so strong a highlight of a light adds.
-    fn gleam(&self, highlight: Lanes<S>, radiance: [f32; 3]) -> Vectors<S>;
+    fn specular_term(&self, highlight: Lanes<S>, radiance: [f32; 3]) -> Vectors<S>;
 
     /// Unit normals as a map leans them.
-    fn leaning(&self, normal: Vectors<S>) -> Vectors<S>;
+    fn perturbed(&self, normal: Vectors<S>) -> Vectors<S>;
 
     /// What an inverse-square light at this squared distance is divided by.
     fn at_least(&self, distance_squared: Lanes<S>) -> Lanes<S>;
 
     /// With what it gives off.
-    fn glowing(&self, color: Vectors<S>) -> Vectors<S>;
+    fn with_emissive(&self, color: Vectors<S>) -> Vectors<S>;
 }
 
 /// All of an instance alike.
-impl<S: Simd> Finished<S> for InstanceParams {
+impl<S: Simd> MaterialTerms<S> for InstanceParams {
     #[inline(always)]
     fn has_highlight(&self) -> bool {
         self.specular.max_element() > 0.0
@@ -192,7 +192,7 @@ impl<S: Simd> Finished<S> for InstanceParams {
     }
 
     #[inline(always)]
-    fn gleam(&self, highlight: Lanes<S>, [lr, lg, lb]: [f32; 3]) -> Vectors<S> {
+    fn specular_term(&self, highlight: Lanes<S>, [lr, lg, lb]: [f32; 3]) -> Vectors<S> {
         let [sr, sg, sb] = self.specular.to_array();
         Vectors {
             x: highlight * (sr * lr),
@@ -202,7 +202,7 @@ impl<S: Simd> Finished<S> for InstanceParams {
     }
 
     #[inline(always)]
-    fn leaning(&self, normal: Vectors<S>) -> Vectors<S> {
+    fn perturbed(&self, normal: Vectors<S>) -> Vectors<S> {
         normal
     }
 
@@ -212,13 +212,13 @@ impl<S: Simd> Finished<S> for InstanceParams {
     }
 
     #[inline(always)]
-    fn glowing(&self, color: Vectors<S>) -> Vectors<S> {
+    fn with_emissive(&self, color: Vectors<S>) -> Vectors<S> {
         color
     }
 }
 
 /// Of as many fragments as there are lanes.
-struct Finishes<S: Simd> {
+struct SampleLanes<S: Simd> {
     specular: Vectors<S>,
     shininess: Lanes<S>,
     emissive: Vectors<S>,
@@ -230,16 +230,16 @@ struct Finishes<S: Simd> {
     least_distance_squared: Lanes<S>,
 }
 
-impl<S: Simd> Finishes<S> {
+impl<S: Simd> SampleLanes<S> {
     #[inline(always)]
-    fn load(simd: S, finish: &[Finish; LANES]) -> Self {
+    fn load(simd: S, material: &[MaterialSample; LANES]) -> Self {
         let mut rows = [[f32x4::splat(simd, 0.0); LANES]; 5];
         for lane in 0..LANES {
-            rows[0][lane] = f32x4::load_array(simd, finish[lane].specular);
-            rows[1][lane] = f32x4::load_array(simd, finish[lane].emissive);
-            rows[2][lane] = f32x4::load_array(simd, finish[lane].mapped);
-            rows[3][lane] = f32x4::load_array(simd, finish[lane].right);
-            rows[4][lane] = f32x4::load_array(simd, finish[lane].up);
+            rows[0][lane] = f32x4::load_array(simd, material[lane].specular);
+            rows[1][lane] = f32x4::load_array(simd, material[lane].emissive);
+            rows[2][lane] = f32x4::load_array(simd, material[lane].mapped);
+            rows[3][lane] = f32x4::load_array(simd, material[lane].right);
+            rows[4][lane] = f32x4::load_array(simd, material[lane].up);
         }
         let (specular, shininess) = vectors(transposed(rows[0]));
         let (emissive, alpha) = vectors(transposed(rows[1]));
@@ -264,7 +264,7 @@ fn vectors<S: Simd>([x, y, z, w]: [Lanes<S>; 4]) -> (Vectors<S>, Lanes<S>) {
     (Vectors { x, y, z }, w)
 }
 
-impl<S: Simd> Finished<S> for Finishes<S> {
+impl<S: Simd> MaterialTerms<S> for SampleLanes<S> {
     #[inline(always)]
     fn has_highlight(&self) -> bool {
         let Vectors { x, y, z } = self.specular;
@@ -277,7 +277,7 @@ impl<S: Simd> Finished<S> for Finishes<S> {
     }
 
     #[inline(always)]
-    fn gleam(&self, highlight: Lanes<S>, [lr, lg, lb]: [f32; 3]) -> Vectors<S> {
+    fn specular_term(&self, highlight: Lanes<S>, [lr, lg, lb]: [f32; 3]) -> Vectors<S> {
         Vectors {
             x: highlight * (self.specular.x * lr),
             y: highlight * (self.specular.y * lg),
@@ -286,7 +286,7 @@ impl<S: Simd> Finished<S> for Finishes<S> {
     }
 
     #[inline(always)]
-    fn leaning(&self, normal: Vectors<S>) -> Vectors<S> {
+    fn perturbed(&self, normal: Vectors<S>) -> Vectors<S> {
         let is_mapped = self.is_mapped.simd_gt(0.0);
         if !is_mapped.any_true() {
             return normal;
@@ -308,7 +308,7 @@ impl<S: Simd> Finished<S> for Finishes<S> {
     }
 
     #[inline(always)]
-    fn glowing(&self, color: Vectors<S>) -> Vectors<S> {
+    fn with_emissive(&self, color: Vectors<S>) -> Vectors<S> {
         color.plus(self.emissive)
     }
 }
@@ -323,20 +323,20 @@ fn across<S: Simd>(direction: Vectors<S>, normal: Vectors<S>) -> Vectors<S> {
 
 /// `ambient · diffuse + Σ radiance · (diffuse · max(n·l, 0) + [n·l > 0] · specular · max(n·h, 0)^shininess) + emissive`, clamped.
 #[inline(always)]
-fn blinn_phong<S: Simd, F: Finished<S>>(
+fn blinn_phong<S: Simd, F: MaterialTerms<S>>(
     simd: S,
     view: &View,
     position: Vectors<S>,
     normal: Vectors<S>,
     diffuse: Vectors<S>,
-    finish: &F,
+    material: &F,
 ) -> Vectors<S> {
     let zero = Lanes::splat(simd, 0.0);
     let nothing = Vectors::splat(simd, [0.0; 3]);
     let toward_eye = toward(view.eye_in_world, position).unit_or(nothing);
     // A surface without a normal faces the eye.
-    let normal = finish.leaning(normal.unit_or(toward_eye));
-    let has_highlight = finish.has_highlight();
+    let normal = material.perturbed(normal.unit_or(toward_eye));
+    let has_highlight = material.has_highlight();
     let [ar, ag, ab] = view.ambient.to_array();
     let mut color = Vectors {
         x: diffuse.x * ar,
@@ -360,7 +360,7 @@ fn blinn_phong<S: Simd, F: Finished<S>>(
         let [lr, lg, lb, falls_off] = light.radiance.to_array();
         let strength = if falls_off == 1.0 {
             let distance_squared = to_light.dot(to_light);
-            1.0 / finish.at_least(distance_squared)
+            1.0 / material.at_least(distance_squared)
         } else {
             Lanes::splat(simd, 1.0)
         };
@@ -368,7 +368,7 @@ fn blinn_phong<S: Simd, F: Finished<S>>(
         let strength = if [cx, cy, cz] == [0.0; 3] {
             strength
         } else {
-            let inside = held(l.dot(Vectors::splat(simd, [cx, cy, cz])) + offset);
+            let inside = saturate(l.dot(Vectors::splat(simd, [cx, cy, cz])) + offset);
             strength * (inside * inside)
         };
         let strength = is_lit.select(strength, zero);
@@ -384,15 +384,15 @@ fn blinn_phong<S: Simd, F: Finished<S>>(
             let cosine_squared = squared
                 .simd_gt(zero)
                 .select(n_dot_h * n_dot_h / squared, zero);
-            let highlight = finish.highlight(cosine_squared) * strength;
-            color = color.plus(finish.gleam(highlight, [lr, lg, lb]));
+            let highlight = material.highlight(cosine_squared) * strength;
+            color = color.plus(material.specular_term(highlight, [lr, lg, lb]));
         }
     }
-    let color = finish.glowing(color);
+    let color = material.with_emissive(color);
     Vectors {
-        x: held(color.x),
-        y: held(color.y),
-        z: held(color.z),
+        x: saturate(color.x),
+        y: saturate(color.y),
+        z: saturate(color.z),
     }
 }
 

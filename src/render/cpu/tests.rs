@@ -3,7 +3,7 @@
 use super::bin::{Grid, Rectangle, TILE, pixels};
 use super::geometry::Layer;
 use super::project::{Projected, STEPS};
-use super::raster::{Everywhere, Footprint, Mark, Nearest, draw};
+use super::raster::{Footprint, Mark, Nearest, Opaque, draw};
 use super::samples::{
     BLOCK, BLOCK_COLUMNS, BLOCK_PIXELS, NONE, Pattern, STEPS_IN_EIGHTH, TileSamples,
 };
@@ -95,7 +95,7 @@ fn drawn(level: Level, corners: [Projected; 3], pattern: Pattern) -> BTreeSet<Hi
             let footprint = Footprint::of(simd, pattern);
             let mark = Mark { layer: Layer::Base, number: 7 };
             let target = Nearest { tile: &mut tile, mark };
-            draw(&footprint, target, [0, 0], corners, reached, &Everywhere);
+            draw(&footprint, target, [0, 0], corners, reached, &Opaque);
         });
     }
     let mut hits = BTreeSet::new();

@@ -34,7 +34,7 @@ pub(super) fn sample<S: Simd>(
 
 /// Color, or numbers, and straight alpha of a texture as it lies on a surface. `place` is on the picture, from its upper left corner.
 #[inline(always)]
-pub(super) fn sample_laid<S: Simd>(
+pub(super) fn sample_wrapped<S: Simd>(
     simd: S,
     laid: &TexturePlace,
     [x, y]: [f32; 2],

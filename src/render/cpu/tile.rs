@@ -1,15 +1,15 @@
 //! One tile from empty samples to pixels: raster, lay over it what blends, then for each block gather, shade and resolve.
 //! Never lives here: the stages themselves.
 
+use super::alpha_test::AlphaTest;
 use super::bin::{Chunk, Grid, Rectangle, TILE, seen};
-use super::coated::Coated;
-use super::cutout::Cutout;
 use super::gather::{Drawn, Gather, Triangles};
 use super::geometry::{Corner, Geometry, Layer, Paint, Place};
 use super::lanes::LANES;
+use super::material::PartMaterial;
 use super::overlay::{Overlay, Under};
 use super::project::Projected;
-use super::raster::{self, Everywhere, Footprint, Mark, Nearest, Presence};
+use super::raster::{self, CoverageTest, Footprint, Mark, Nearest, Opaque};
 use super::resolve::{Resolve, Sums};
 use super::samples::{BLOCK, BLOCK_COLUMNS, BLOCK_PIXELS, NONE, Pattern, TileSamples};
 use super::shade::{Fragments, shade};
@@ -25,10 +25,10 @@ pub(super) struct Picturing<'a> {
     pub grid: Grid,
     pub pattern: Pattern,
     pub view: &'a View,
-    /// What surfaces without a material of their own have in common, where `has_finishes` does not hold.
+    /// What surfaces without a material of their own have in common, where `has_materials` does not hold.
     pub plain: &'a InstanceParams,
-    /// Whether each fragment has a finish of its own.
-    pub has_finishes: bool,
+    /// Whether each fragment has a material of its own.
+    pub has_materials: bool,
     pub resolve: Resolve,
     pub has_skin_layer: bool,
     pub spread: Spread<'a>,
@@ -121,22 +121,22 @@ impl TileRoom {
                 let drawn = Drawn {
                     triangle,
                     piece: 0,
-                    looked_up: NONE,
+                    setup: NONE,
                 };
-                if let Some(coated) = masked(geometry, place) {
-                    self.masked(simd, &canvas, place, drawn, coated);
+                if let Some(material) = masked(geometry, place) {
+                    self.masked(simd, &canvas, place, drawn, material);
                     continue;
                 }
                 let corners = geometry.projected_of(place);
                 let [a, b, c] = corners;
                 if !(a.is_beyond() || b.is_beyond() || c.is_beyond()) {
-                    self.triangle(&canvas, place, drawn, corners, &Everywhere);
+                    self.triangle(&canvas, place, drawn, corners, &Opaque);
                     continue;
                 }
                 for (piece, corners) in (0..).zip(geometry.pieces(place)) {
                     let drawn = Drawn { piece, ..drawn };
                     let corners = corners.map(|corner| corner.projected);
-                    self.triangle(&canvas, place, drawn, corners, &Everywhere);
+                    self.triangle(&canvas, place, drawn, corners, &Opaque);
                 }
             }
         }
@@ -144,13 +144,13 @@ impl TileRoom {
 
     /// A triangle, or a piece of one, into the samples of the tile.
     #[inline(always)]
-    fn triangle<S: Simd, P: Presence>(
+    fn triangle<S: Simd, P: CoverageTest>(
         &mut self,
         canvas: &Canvas<'_, S>,
         place: Place<'_>,
         drawn: Drawn,
         corners: [Projected; 3],
-        presence: &P,
+        test: &P,
     ) {
         let Canvas {
             footprint, tile, ..
@@ -167,7 +167,7 @@ impl TileRoom {
             tile: &mut self.samples,
             mark,
         };
-        raster::draw(footprint, target, tile.min, corners, reached, presence);
+        raster::draw(footprint, target, tile.min, corners, reached, test);
     }
 
     /// A triangle with holes, whole or in pieces. By itself, so that it does not lie in the way of all those without.
@@ -178,7 +178,7 @@ impl TileRoom {
         canvas: &Canvas<'_, S>,
         place: Place<'_>,
         drawn: Drawn,
-        coated: &Coated<'_>,
+        material: &PartMaterial<'_>,
     ) {
         simd.vectorize(
             #[inline(always)]
@@ -189,8 +189,8 @@ impl TileRoom {
                 let mut draw = |drawn: Drawn, corners: [Corner; 3]| {
                     let projected = corners.map(|corner| corner.projected);
                     if seen(projected, place, &picture.grid, picture.pattern).is_some() {
-                        let cutout = Cutout::of(simd, coated, &corners);
-                        self.triangle(canvas, place, drawn, projected, &cutout);
+                        let alpha_test = AlphaTest::of(simd, material, &corners);
+                        self.triangle(canvas, place, drawn, projected, &alpha_test);
                     }
                 };
                 if whole.iter().any(|corner| corner.projected.is_beyond()) {
@@ -302,13 +302,13 @@ impl<'a, S: Simd> Canvas<'a, S> {
     }
 }
 
-/// What a triangle's surface is coated with, if that has holes.
+/// The material of a triangle's surface, if that has holes.
 #[inline(always)]
-fn masked<'a>(geometry: &Geometry<'a>, place: Place<'_>) -> Option<&'a Coated<'a>> {
+fn masked<'a>(geometry: &Geometry<'a>, place: Place<'_>) -> Option<&'a PartMaterial<'a>> {
     match place.surface.paint {
-        Paint::Coated(coated) => {
-            let coated = &geometry.coated[coated as usize];
-            coated.has_holes().then_some(coated)
+        Paint::Material(material) => {
+            let material = &geometry.materials[material as usize];
+            material.has_holes().then_some(material)
         }
         _ => None,
     }
@@ -322,20 +322,25 @@ pub(super) fn shade_shown<S: Simd>(
     mut gather: Gather<'_>,
     shown: &[u32],
 ) {
-    if !picture.has_finishes {
+    if !picture.has_materials {
         match picture.pattern.count() {
             1 => gather.block::<S, 1, false>(simd, shown),
             _ => gather.block::<S, 4, false>(simd, shown),
         }
         shade::<S, false>(simd, picture.view, picture.plain, gather.fragments);
     } else {
-        coated(simd, picture, gather, shown);
+        shade_materials(simd, picture, gather, shown);
     }
 }
 
-/// Gathers and shades a block that may show coated surfaces. By itself, so that it does not lie in the way of pictures without.
+/// Gathers and shades a block that may show surfaces with materials of their own. By itself, so that it does not lie in the way of pictures without.
 #[inline(never)]
-fn coated<S: Simd>(simd: S, picture: &Picturing<'_>, mut gather: Gather<'_>, shown: &[u32]) {
+fn shade_materials<S: Simd>(
+    simd: S,
+    picture: &Picturing<'_>,
+    mut gather: Gather<'_>,
+    shown: &[u32],
+) {
     simd.vectorize(
         #[inline(always)]
         || {

@@ -1,16 +1,23 @@
 //! What is drawn of skin, and in which order: into the base, or into the layer of a translucent skin.
 
-use super::coats::Coats;
+use super::draw_list::{DrawRange, MaterialBinding};
+use super::material_buffer::MaterialBuffer;
 use super::pipelines::{Given, Kind, Variant};
-use super::shade::Drawing;
 use super::skin::SkinnedRig;
-use super::upload::Dressing;
-use super::wear::{Stretch, Wear};
-use crate::render::Instance;
+use super::upload::VariantDraws;
 use crate::render::cull::{self, Culling};
 use crate::render::order::PartPlace;
-use crate::scene::Samples;
+use crate::render::{Instance, Plan};
+use crate::scene::{Samples, Scene};
 use std::ops::Range;
+
+/// The picture of `plan`, and the skin in it.
+pub(super) struct Drawing<'a> {
+    pub plan: &'a Plan,
+    pub scene: &'a Scene,
+    /// Of the instances that have skin to be drawn, by their index in the plan.
+    pub skins: Vec<(usize, &'a SkinnedRig<'a>)>,
+}
 
 /// Triangles of one instance that are drawn alike.
 pub(super) struct Draw<'a> {
@@ -18,9 +25,9 @@ pub(super) struct Draw<'a> {
     /// Where the numbers of the instance are bound.
     pub params_offset: u32,
     pub place: &'a SkinnedRig<'a>,
-    pub wear: &'a Wear,
-    /// Where its coat is bound, if it wears one.
-    pub coat: Option<u32>,
+    pub binding: &'a MaterialBinding,
+    /// Where the parameters of its material are bound, if it has any.
+    pub material_offset: Option<u32>,
     pub indices: Range<u32>,
 }
 
@@ -33,18 +40,18 @@ pub(super) struct Draws<'a> {
 }
 
 /// An instance as a picture shows it.
-struct Dressed<'a> {
+struct InstanceDraws<'a> {
     index: usize,
     instance: &'a Instance,
     samples: Samples,
     params_offset: u32,
     place: &'a SkinnedRig<'a>,
-    dressing: &'a Dressing,
+    variant: &'a VariantDraws,
     given: Given,
     /// By mesh.
     cullings: Vec<Culling>,
-    /// By wear.
-    coats: Vec<Option<u32>>,
+    /// By binding.
+    material_offsets: Vec<Option<u32>>,
 }
 
 impl<'a> Draws<'a> {
@@ -53,33 +60,33 @@ impl<'a> Draws<'a> {
         drawing: &Drawing<'a>,
         params_offset: impl Fn(usize) -> u32,
         order: &[(f64, PartPlace)],
-        coats: &mut Coats,
+        materials: &mut MaterialBuffer,
     ) -> Self {
-        let dressed = drawing.skins.iter().map(|&(index, place)| {
+        let instances = drawing.skins.iter().map(|&(index, place)| {
             let offset = params_offset(index);
-            Dressed::new(drawing, index, place, offset, coats)
+            InstanceDraws::new(drawing, index, place, offset, materials)
         });
-        let dressed: Vec<Dressed<'a>> = dressed.collect();
+        let instances: Vec<InstanceDraws<'a>> = instances.collect();
         let mut draws = Self::default();
-        for dressed in &dressed {
-            for (stretch, indices) in &dressed.dressing.stretches {
-                if dressed.instance.is_translucent() {
+        for drawn in &instances {
+            for (range, indices) in &drawn.variant.ranges {
+                if drawn.instance.is_translucent() {
                     // Only the nearest of it is seen, whatever it is made of.
-                    add(&mut draws.layer, dressed.draw(stretch, indices));
-                } else if !stretch.blends {
-                    add(&mut draws.base, dressed.draw(stretch, indices));
+                    add(&mut draws.layer, drawn.draw(range, indices));
+                } else if !range.blends {
+                    add(&mut draws.base, drawn.draw(range, indices));
                 }
             }
         }
         for (_, part) in order {
-            // Nothing is there of an instance without triangles.
-            let found = dressed.binary_search_by_key(&part.instance, |dressed| dressed.index);
+            // An instance without triangles has no draws.
+            let found = instances.binary_search_by_key(&part.instance, |drawn| drawn.index);
             let Ok(found) = found else {
                 continue;
             };
-            let dressed = &dressed[found];
-            for (stretch, indices) in dressed.dressing.blending(part.mesh, part.part) {
-                add(&mut draws.base, dressed.draw(stretch, indices));
+            let drawn = &instances[found];
+            for (range, indices) in drawn.variant.blending(part.mesh, part.part) {
+                add(&mut draws.base, drawn.draw(range, indices));
             }
         }
         draws
@@ -98,13 +105,13 @@ fn add<'a>(draws: &mut Vec<Draw<'a>>, draw: Draw<'a>) {
     }
 }
 
-impl<'a> Dressed<'a> {
+impl<'a> InstanceDraws<'a> {
     fn new(
         drawing: &Drawing<'a>,
         index: usize,
         place: &'a SkinnedRig<'a>,
         params_offset: u32,
-        coats: &mut Coats,
+        materials: &mut MaterialBuffer,
     ) -> Self {
         // Indices count from the rig's first vertex.
         debug_assert_eq!(place.first_vertex, 0, "pictures skin all of a rig");
@@ -115,14 +122,14 @@ impl<'a> Dressed<'a> {
             Culling::of(instance, mesh, &drawing.scene.camera, reach)
         });
         let surface = &instance.appearance().surface;
-        let dressing = place.rig.dressing(surface.variant);
-        // What other variants wear needs no coat.
-        let mut of_wears = vec![None; place.rig.wears.len()];
-        for (stretch, _) in &dressing.stretches {
-            let of_wear = &mut of_wears[stretch.wear];
-            if of_wear.is_none() {
-                let coat = place.rig.wears[stretch.wear].coat(rig, surface);
-                *of_wear = coat.map(|coat| coats.add(&coat));
+        let variant = place.rig.variant(surface.variant);
+        // Materials of other variants are left out.
+        let mut material_offsets = vec![None; place.rig.bindings.len()];
+        for (range, _) in &variant.ranges {
+            let offset = &mut material_offsets[range.binding];
+            if offset.is_none() {
+                let params = place.rig.bindings[range.binding].params(rig, surface);
+                *offset = params.map(|params| materials.add(&params));
             }
         }
         Self {
@@ -131,37 +138,37 @@ impl<'a> Dressed<'a> {
             samples: drawing.scene.samples,
             params_offset,
             place,
-            dressing,
+            variant,
             given: Given {
                 texcoords: place.rig.texcoords.is_some(),
                 colors: place.rig.colors.is_some(),
             },
             cullings: cullings.collect(),
-            coats: of_wears,
+            material_offsets,
         }
     }
 
-    fn draw(&self, stretch: &Stretch, indices: &Range<u32>) -> Draw<'a> {
-        let wear = &self.place.rig.wears[stretch.wear];
-        let part = &self.instance.rig().meshes()[stretch.mesh].parts()[stretch.part];
+    fn draw(&self, range: &DrawRange, indices: &Range<u32>) -> Draw<'a> {
+        let binding = &self.place.rig.bindings[range.binding];
+        let part = &self.instance.rig().meshes()[range.mesh].parts()[range.part];
         Draw {
             variant: Variant {
-                kind: match wear {
-                    Wear::Plain => Kind::Skin,
-                    Wear::Textured(_) => Kind::TexturedSkin,
-                    Wear::Coated { .. } => Kind::CoatedSkin(self.given),
+                kind: match binding {
+                    MaterialBinding::Plain => Kind::Skin,
+                    MaterialBinding::Textured(_) => Kind::TexturedSkin,
+                    MaterialBinding::Full { .. } => Kind::MaterialSkin(self.given),
                 },
                 samples: self.samples,
-                culled: self.cullings[stretch.mesh]
+                culled: self.cullings[range.mesh]
                     .pieces(part)
-                    .find(|piece| piece.triangles.contains(&stretch.triangles.start))
+                    .find(|piece| piece.triangles.contains(&range.triangles.start))
                     .and_then(|piece| piece.culled),
-                blends: stretch.blends && !self.instance.is_translucent(),
+                blends: range.blends && !self.instance.is_translucent(),
             },
             params_offset: self.params_offset,
             place: self.place,
-            wear,
-            coat: self.coats[stretch.wear],
+            binding,
+            material_offset: self.material_offsets[range.binding],
             indices: indices.clone(),
         }
     }
@@ -170,7 +177,7 @@ impl<'a> Dressed<'a> {
 impl Draw<'_> {
     fn goes_on_in(&self, next: &Self) -> bool {
         self.params_offset == next.params_offset
-            && std::ptr::eq(self.wear, next.wear)
+            && std::ptr::eq(self.binding, next.binding)
             && self.variant == next.variant
             && self.indices.end == next.indices.start
     }

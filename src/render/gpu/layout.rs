@@ -1,6 +1,6 @@
 //! What the shaders read, byte for byte: `repr(C)` mirrors of the structs in `shaders/*.wgsl`, beside the
 //! [`View`](crate::render::view::View), the [`InstanceParams`](crate::render::instance_params::InstanceParams) and the
-//! [`Coat`](crate::render::coat::Coat) that both renderers read.
+//! [`MaterialParams`](crate::render::material_params::MaterialParams) that both renderers read.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -29,9 +29,9 @@ mod tests {
     use super::*;
     use crate::limits::Limits;
     use crate::pose::{SkinDualQuaternion, SkinMatrix};
-    use crate::render::coat::Coat;
     use crate::render::gpu::shaders;
     use crate::render::instance_params::InstanceParams;
+    use crate::render::material_params::MaterialParams;
     use crate::render::view::{LIGHTS, ShaderLight, View};
     use crate::rig::{Influence, MorphDisplacement};
     use glam::Vec4;
@@ -75,7 +75,7 @@ mod tests {
         assert_mirrors!(shaders::BY_MASK.skin, "Light", ShaderLight {
             toward_or_position = "toward_or_position", radiance = "radiance", cone = "cone",
         });
-        assert_mirrors!(shaders::BY_MASK.coat, "Coat", Coat {
+        assert_mirrors!(shaders::BY_MASK.material, "MaterialParams", MaterialParams {
             color = "color", specular = "specular", shininess = "shininess", emissive = "emissive", least_alpha = "least_alpha",
             color_place = "color_place", emissive_place = "emissive_place", normal_place = "normal_place",
             normal_scale = "normal_scale", is_translucent = "is_translucent", is_lit = "is_lit", is_flat = "is_flat",

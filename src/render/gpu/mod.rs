@@ -1,16 +1,17 @@
 //! The wgpu renderer: one device, its pipelines, and the work in flight on it. Every stage bears the name of its shader.
 
 mod adapter;
+mod budget;
 mod buffers;
 mod clock;
-mod coats;
 mod device;
+mod draw_list;
 mod draws;
 mod layout;
+mod material_buffer;
 mod pipelines;
 mod readback;
 mod resolve;
-mod room;
 mod shade;
 mod shaders;
 mod skin;
@@ -19,7 +20,6 @@ mod solids;
 mod targets;
 mod textures;
 mod upload;
-mod wear;
 
 pub use adapter::{AdapterId, adapters};
 pub use readback::{Finished, InFlight};
@@ -30,9 +30,10 @@ use crate::frame::ImageKind;
 use buffers::Readbacks;
 use clock::Clock;
 use device::Device;
+use draws::Drawing;
 use readback::{Copies, Form};
 use resolve::ResolveStage;
-use shade::{Drawing, ShadeStage};
+use shade::ShadeStage;
 use skin::SkinStage;
 use skins::{RequiredSkin, SkinSet};
 use std::time::Duration;
@@ -113,7 +114,7 @@ impl Gpu {
         // What is refused anyway is refused by itself.
         let is_acceptable = |plan: &&&Plan| self.accept(plan).is_ok();
         let acceptable = plans.iter().take_while(is_acceptable).count();
-        let fitting = room::fitting(&plans[..acceptable], self.device.buffer_bytes);
+        let fitting = budget::fitting(&plans[..acceptable], self.device.buffer_bytes);
         fitting.max(1).min(plans.len())
     }
 

@@ -1,8 +1,8 @@
 //! The pipelines of the shade stage: one for each kind of thing, sample count, side that is left out and whether it blends, made when first
 //! needed.
 
-use super::coats::Coats;
 use super::device::Device;
+use super::material_buffer::MaterialBuffer;
 use super::shaders::{self, SAMPLES, Shading};
 use super::targets::{COLOR_FORMAT, DEPTH_FORMAT};
 use super::textures::TextureBinding;
@@ -19,7 +19,7 @@ pub(super) enum Kind {
     Solids,
     Skin,
     TexturedSkin,
-    CoatedSkin(Given),
+    MaterialSkin(Given),
 }
 
 /// What a rig gives for each vertex by itself. What it does not is the same for all.
@@ -39,13 +39,69 @@ pub(super) struct Variant {
     pub blends: bool,
 }
 
+/// Shaders of one kind: `stem` is what the names of their entry points start with.
+struct Program<'a> {
+    layout: &'a wgpu::PipelineLayout,
+    module: &'a wgpu::ShaderModule,
+    stem: &'static str,
+}
+
+const POSITION: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float32x3];
+const NORMAL: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![1 => Float32x3];
+const TEXCOORD: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![2 => Float32x2];
+const COLOR: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![3 => Float32x4];
+const SEGMENT: [wgpu::VertexAttribute; 4] =
+    wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Float32x3];
+const SOLID: [wgpu::VertexAttribute; 3] =
+    wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3];
+
+impl Kind {
+    fn vertex_buffers(self) -> Vec<Option<wgpu::VertexBufferLayout<'static>>> {
+        let per_vertex = VertexStepMode::Vertex;
+        // A draw has a single instance: all of its vertices then read the same.
+        let once_unless = |is_given| {
+            if is_given {
+                per_vertex
+            } else {
+                VertexStepMode::Instance
+            }
+        };
+        let positions = buffer(12, per_vertex, &POSITION);
+        let normals = buffer(12, per_vertex, &NORMAL);
+        match self {
+            Self::Lines => vec![buffer(size_of::<Segment>(), per_vertex, &SEGMENT)],
+            Self::Solids => vec![buffer(size_of::<SolidVertex>(), per_vertex, &SOLID)],
+            Self::Skin => vec![positions, normals],
+            Self::TexturedSkin => vec![positions, normals, buffer(8, per_vertex, &TEXCOORD)],
+            Self::MaterialSkin(given) => vec![
+                positions,
+                normals,
+                buffer(8, once_unless(given.texcoords), &TEXCOORD),
+                buffer(16, once_unless(given.colors), &COLOR),
+            ],
+        }
+    }
+}
+
+fn buffer(
+    array_stride: usize,
+    step_mode: VertexStepMode,
+    attributes: &'static [wgpu::VertexAttribute],
+) -> Option<wgpu::VertexBufferLayout<'static>> {
+    Some(wgpu::VertexBufferLayout {
+        array_stride: array_stride as u64,
+        step_mode,
+        attributes,
+    })
+}
+
 pub(super) struct Pipelines {
     layout: wgpu::PipelineLayout,
     textured_layout: wgpu::PipelineLayout,
-    coated_layout: wgpu::PipelineLayout,
+    material_layout: wgpu::PipelineLayout,
     shading: Shading,
     skin_module: wgpu::ShaderModule,
-    coat_module: wgpu::ShaderModule,
+    material_module: wgpu::ShaderModule,
     line_module: wgpu::ShaderModule,
     solid_module: wgpu::ShaderModule,
     made: HashMap<Variant, wgpu::RenderPipeline>,
@@ -56,7 +112,7 @@ impl Pipelines {
         device: &Device,
         uniform_layout: &wgpu::BindGroupLayout,
         textures: &TextureBinding,
-        coats: &Coats,
+        materials: &MaterialBuffer,
     ) -> Self {
         let module = |label, source: &'static str| {
             let source = wgpu::ShaderSource::Wgsl(source.into());
@@ -84,13 +140,13 @@ impl Pipelines {
         Self {
             layout: layout(&[Some(uniform_layout)]),
             textured_layout: layout(&[Some(uniform_layout), Some(&textures.layout)]),
-            coated_layout: layout(&[
+            material_layout: layout(&[
                 Some(uniform_layout),
-                Some(&textures.coat_layout),
-                Some(&coats.layout),
+                Some(&textures.material_layout),
+                Some(&materials.layout),
             ]),
             skin_module: module("shade.skin", shading.skin),
-            coat_module: module("shade.coat", shading.coat),
+            material_module: module("shade.material", shading.material),
             line_module: module("shade.lines", shaders::LINES),
             solid_module: module("shade.solids", shading.solids),
             shading,
@@ -111,6 +167,21 @@ impl Pipelines {
         &self.made[&variant]
     }
 
+    fn program(&self, kind: Kind) -> Program<'_> {
+        let (layout, module, stem) = match kind {
+            Kind::Lines => (&self.layout, &self.line_module, "line"),
+            Kind::Solids => (&self.layout, &self.solid_module, "solid"),
+            Kind::Skin => (&self.layout, &self.skin_module, "plain"),
+            Kind::TexturedSkin => (&self.textured_layout, &self.skin_module, "textured"),
+            Kind::MaterialSkin(_) => (&self.material_layout, &self.material_module, "material"),
+        };
+        Program {
+            layout,
+            module,
+            stem,
+        }
+    }
+
     fn pipeline(&self, device: &Device, variant: Variant) -> wgpu::RenderPipeline {
         let Variant {
             kind,
@@ -118,68 +189,12 @@ impl Pipelines {
             culled,
             blends,
         } = variant;
-        let positions = wgpu::vertex_attr_array![0 => Float32x3];
-        let normals = wgpu::vertex_attr_array![1 => Float32x3];
-        let texcoords = wgpu::vertex_attr_array![2 => Float32x2];
-        let colors = wgpu::vertex_attr_array![3 => Float32x4];
-        let segment =
-            wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Float32x3];
-        let solid = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3];
-        // What is drawn is a single instance: all of its vertices read the same.
-        let per_vertex_or_once = |is_given, array_stride: usize, attributes| {
-            Some(wgpu::VertexBufferLayout {
-                array_stride: array_stride as u64,
-                step_mode: if is_given {
-                    VertexStepMode::Vertex
-                } else {
-                    VertexStepMode::Instance
-                },
-                attributes,
-            })
-        };
-        let per_vertex =
-            |array_stride, attributes| per_vertex_or_once(true, array_stride, attributes);
-        let (layout, module, stem, buffers) = match kind {
-            Kind::Lines => (
-                &self.layout,
-                &self.line_module,
-                "line",
-                vec![per_vertex(size_of::<Segment>(), &segment[..])],
-            ),
-            Kind::Solids => (
-                &self.layout,
-                &self.solid_module,
-                "solid",
-                vec![per_vertex(size_of::<SolidVertex>(), &solid[..])],
-            ),
-            Kind::Skin => (
-                &self.layout,
-                &self.skin_module,
-                "plain",
-                vec![per_vertex(12, &positions[..]), per_vertex(12, &normals[..])],
-            ),
-            Kind::TexturedSkin => (
-                &self.textured_layout,
-                &self.skin_module,
-                "textured",
-                vec![
-                    per_vertex(12, &positions[..]),
-                    per_vertex(12, &normals[..]),
-                    per_vertex(8, &texcoords[..]),
-                ],
-            ),
-            Kind::CoatedSkin(given) => (
-                &self.coated_layout,
-                &self.coat_module,
-                "coated",
-                vec![
-                    per_vertex(12, &positions[..]),
-                    per_vertex(12, &normals[..]),
-                    per_vertex_or_once(given.texcoords, 8, &texcoords[..]),
-                    per_vertex_or_once(given.colors, 16, &colors[..]),
-                ],
-            ),
-        };
+        let Program {
+            layout,
+            module,
+            stem,
+        } = self.program(kind);
+        let buffers = kind.vertex_buffers();
         let samples_constant = [(SAMPLES, f64::from(samples.count()))];
         let counts_samples = self.shading.counts_samples && kind != Kind::Lines;
         let constants: &[_] = if counts_samples {
@@ -201,19 +216,10 @@ impl Pipelines {
                 },
                 // Winding decides which side is seen, and only of closed surfaces whether it is: sample files disagree about it.
                 primitive: wgpu::PrimitiveState {
-                    cull_mode: culled.map(|side| match side {
-                        Side::Front => wgpu::Face::Front,
-                        Side::Back => wgpu::Face::Back,
-                    }),
+                    cull_mode: culled.map(face),
                     ..wgpu::PrimitiveState::default()
                 },
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: DEPTH_FORMAT,
-                    depth_write_enabled: Some(!blends),
-                    depth_compare: Some(CompareFunction::Greater),
-                    stencil: wgpu::StencilState::default(),
-                    bias: wgpu::DepthBiasState::default(),
-                }),
+                depth_stencil: Some(depth(!blends)),
                 multisample: wgpu::MultisampleState {
                     count: samples.count(),
                     ..wgpu::MultisampleState::default()
@@ -233,5 +239,23 @@ impl Pipelines {
                 multiview_mask: None,
                 cache: None,
             })
+    }
+}
+
+fn face(side: Side) -> wgpu::Face {
+    match side {
+        Side::Front => wgpu::Face::Front,
+        Side::Back => wgpu::Face::Back,
+    }
+}
+
+/// The nearest wins; `is_written`: it hides what is drawn later.
+fn depth(is_written: bool) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: DEPTH_FORMAT,
+        depth_write_enabled: Some(is_written),
+        depth_compare: Some(CompareFunction::Greater),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
     }
 }

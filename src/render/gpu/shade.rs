@@ -1,15 +1,14 @@
-//! Stages 2 to 4 on the device, `shaders/shade.wgsl`, `coat.wgsl`, `lines.wgsl` and `solids.wgsl`: skin and skeleton into the targets.
+//! Stages 2 to 4 on the device, `shaders/shade.wgsl`, `material.wgsl`, `lines.wgsl` and `solids.wgsl`: skin and skeleton into the targets.
 
 use super::buffers::{Growing, filled};
-use super::coats::Coats;
 use super::device::Device;
-use super::draws::{Draw, Draws};
+use super::draw_list::MaterialBinding;
+use super::draws::{Draw, Drawing, Draws};
+use super::material_buffer::MaterialBuffer;
 use super::pipelines::{Kind, Pipelines, Variant};
-use super::skin::SkinnedRig;
 use super::solids::{SolidBuffers, SolidPlace};
 use super::targets::{ColorTarget, Layers, TargetShape, Targets};
 use super::textures::TextureBinding;
-use super::wear::Wear;
 use crate::render::instance_params::InstanceParams;
 use crate::render::order::{PartPlace, blending_parts};
 use crate::render::view::View;
@@ -50,7 +49,7 @@ pub(super) struct ShadeStage {
     /// Each segment once for each of its six corners: a software driver takes instances one at a time.
     lines: Growing,
     solids: SolidBuffers,
-    coats: Coats,
+    materials: MaterialBuffer,
     /// What all vertices of a rig read where it gives none: white, and texture coordinates of zero.
     not_given: wgpu::Buffer,
     /// Reused from submission to submission.
@@ -63,14 +62,6 @@ struct Scratch {
     instances: Vec<u8>,
     corners: Vec<Segment>,
     order: Vec<(f64, PartPlace)>,
-}
-
-/// The picture of `plan`, and the skin in it.
-pub(super) struct Drawing<'a> {
-    pub plan: &'a Plan,
-    pub scene: &'a Scene,
-    /// Of the instances that have skin to be drawn, by their index in the plan.
-    pub skins: Vec<(usize, &'a SkinnedRig<'a>)>,
 }
 
 /// A picture whose numbers are on the device.
@@ -118,9 +109,9 @@ impl ShadeStage {
         let views = Growing::new(device, "shade.views", BufferUsages::UNIFORM);
         let instances = Growing::new(device, "shade.instances", BufferUsages::UNIFORM);
         let alignment = wgpu_device.limits().min_uniform_buffer_offset_alignment as usize;
-        let coats = Coats::new(device);
+        let materials = MaterialBuffer::new(device);
         Self {
-            pipelines: Pipelines::new(device, &uniform_layout, textures, &coats),
+            pipelines: Pipelines::new(device, &uniform_layout, textures, &materials),
             uniform_group: bind(device, &uniform_layout, &views, &instances),
             uniform_layout,
             views,
@@ -129,7 +120,7 @@ impl ShadeStage {
             params_stride: size_of::<InstanceParams>().next_multiple_of(alignment),
             lines: Growing::new(device, "shade.lines", BufferUsages::VERTEX),
             solids: SolidBuffers::new(device),
-            coats,
+            materials,
             not_given: filled(device, "shade.not_given", BufferUsages::VERTEX, &NOT_GIVEN),
             scratch: Scratch::default(),
         }
@@ -138,7 +129,7 @@ impl ShadeStage {
     pub fn bytes(&self) -> u64 {
         let own = [&self.views, &self.instances, &self.lines];
         let own = own.map(|growing| growing.buffer().size());
-        own.iter().sum::<u64>() + self.solids.bytes() + self.coats.bytes()
+        own.iter().sum::<u64>() + self.solids.bytes() + self.materials.bytes()
     }
 
     /// Writes what the passes of all pictures of a submission read, and makes the pipelines that were not needed before.
@@ -155,25 +146,20 @@ impl ShadeStage {
         views.clear();
         instances.clear();
         corners.clear();
-        self.coats.clear();
+        self.materials.clear();
         let skeletons = drawings.iter().flat_map(|drawing| &drawing.plan.instances);
         let solids = skeletons.map(|instance| &instance.skeleton().solids);
         let mut solids = self.solids.write(device, solids).into_iter();
         let ready = drawings.iter().map(|drawing| {
-            let view_offset = views.len() as u32;
-            views.extend_from_slice(bytemuck::bytes_of(&View::of(drawing.scene)));
-            views.resize(view_offset as usize + self.view_stride, 0);
+            let view_offset = append(views, &View::of(drawing.scene), self.view_stride);
             let placed = drawing.plan.instances.iter().zip(&mut solids);
             let skeletons = placed.map(|(instance, solids)| {
-                let params_offset = instances.len() as u32;
                 let params = InstanceParams::of(instance, &drawing.scene.camera);
-                instances.extend_from_slice(bytemuck::bytes_of(&params));
-                instances.resize(params_offset as usize + self.params_stride, 0);
                 let first = corners.len() as u32;
                 let segments = instance.skeleton().lines.iter();
                 corners.extend(segments.flat_map(|segment| [*segment; LINE_CORNERS as usize]));
                 ReadySkeleton {
-                    params_offset,
+                    params_offset: append(instances, &params, self.params_stride),
                     lines: first..corners.len() as u32,
                     solids,
                 }
@@ -181,7 +167,7 @@ impl ShadeStage {
             let skeletons: Vec<_> = skeletons.collect();
             blending_parts(drawing.plan, order);
             let params_offset = |instance: usize| skeletons[instance].params_offset;
-            let skin = Draws::of(drawing, params_offset, order, &mut self.coats);
+            let skin = Draws::of(drawing, params_offset, order, &mut self.materials);
             Ready {
                 scene: drawing.scene,
                 view_offset,
@@ -199,7 +185,7 @@ impl ShadeStage {
             self.uniform_group = bind(device, layout, &self.views, &self.instances);
         }
         self.lines.write(device, corners);
-        self.coats.write(device);
+        self.materials.write(device);
         for ready in &ready {
             for variant in ready.variants() {
                 self.pipelines.prepare(device, variant);
@@ -256,8 +242,8 @@ impl ShadeStage {
             variant,
             params_offset,
             place,
-            wear,
-            coat,
+            binding,
+            material_offset,
             indices,
         } in draws
         {
@@ -271,15 +257,17 @@ impl ShadeStage {
                 Some(colors) => colors.slice(..),
                 None => self.not_given.slice(NO_COLOR),
             };
-            match wear {
-                Wear::Plain => {}
-                Wear::Textured(texture) => {
+            match binding {
+                MaterialBinding::Plain => {}
+                MaterialBinding::Textured(texture) => {
                     pass.set_bind_group(1, texture, &[]);
                     pass.set_vertex_buffer(2, texcoords);
                 }
-                Wear::Coated { textures, .. } => {
+                MaterialBinding::Full { textures, .. } => {
                     pass.set_bind_group(1, textures, &[]);
-                    coat.iter().for_each(|coat| self.coats.set(pass, 2, *coat));
+                    if let Some(offset) = material_offset {
+                        self.materials.set(pass, 2, *offset);
+                    }
                     pass.set_vertex_buffer(2, texcoords);
                     pass.set_vertex_buffer(3, colors);
                 }
@@ -316,6 +304,14 @@ impl ReadySkeleton {
             blends: false,
         })
     }
+}
+
+/// Adds an item of a uniform buffer, and says where it starts; `stride` is from one to the next.
+fn append<T: bytemuck::NoUninit>(items: &mut Vec<u8>, item: &T, stride: usize) -> u32 {
+    let offset = items.len();
+    items.extend_from_slice(bytemuck::bytes_of(item));
+    items.resize(offset + stride, 0);
+    offset as u32
 }
 
 /// One view and one instance at a time.

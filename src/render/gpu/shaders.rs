@@ -15,7 +15,7 @@ pub(super) const RESOLVE: &str = shader!("common.wgsl", "resolve.wgsl");
 /// Those that shade surfaces, which they do at a place in a pixel.
 pub(super) struct Shading {
     pub skin: &'static str,
-    pub coat: &'static str,
+    pub material: &'static str,
     pub solids: &'static str,
     /// Whether they are specialised by how many [`SAMPLES`] there are.
     pub counts_samples: bool,
@@ -31,12 +31,12 @@ macro_rules! shading {
                 $centroid,
                 "shade.wgsl"
             ),
-            coat: shader!(
+            material: shader!(
                 "common.wgsl",
                 "light.wgsl",
                 "centroid.wgsl",
                 $centroid,
-                "coat.wgsl"
+                "material.wgsl"
             ),
             solids: shader!(
                 "common.wgsl",
@@ -71,10 +71,10 @@ mod tests {
             SKIN_LINEAR,
             SKIN_DUAL_QUATERNION,
             BY_MASK.skin,
-            BY_MASK.coat,
+            BY_MASK.material,
             BY_MASK.solids,
             BY_DRIVER.skin,
-            BY_DRIVER.coat,
+            BY_DRIVER.material,
             BY_DRIVER.solids,
             LINES,
             RESOLVE,

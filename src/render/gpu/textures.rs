@@ -11,7 +11,7 @@ pub(super) struct TextureBinding {
     /// Of one texture, repeated.
     pub layout: wgpu::BindGroupLayout,
     /// Of a material's three: of its color, of what it emits, of normals.
-    pub coat_layout: wgpu::BindGroupLayout,
+    pub material_layout: wgpu::BindGroupLayout,
     /// For each way of going on to the sides, and of these for each up and down.
     samplers: [[wgpu::Sampler; 3]; 3],
     /// Stand where a material has none: a color that changes nothing, a normal that leans nowhere.
@@ -19,7 +19,7 @@ pub(super) struct TextureBinding {
     upright: TextureView,
 }
 
-/// Textures of one rig, each uploaded once, however many materials wear it.
+/// Textures of one rig, each uploaded once, however many materials have it.
 #[derive(Default)]
 pub(super) struct TextureUploads {
     views: HashMap<*const Texture, TextureView>,
@@ -40,7 +40,7 @@ impl TextureBinding {
         let wraps = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
         Self {
             layout: layout(device, "textures.texture", 1),
-            coat_layout: layout(device, "textures.coat", 3),
+            material_layout: layout(device, "textures.material", 3),
             samplers: wraps.map(|u| wraps.map(|v| sampler(device, [u, v]))),
             white: single([255; 4]),
             upright: single([128, 128, 255, 255]),
@@ -54,7 +54,7 @@ impl TextureBinding {
     }
 
     /// Those of `material`.
-    pub fn bind_coat(
+    pub fn bind_material(
         &self,
         device: &Device,
         uploads: &mut TextureUploads,
@@ -71,7 +71,7 @@ impl TextureBinding {
         let bound = places.map(|(place, otherwise)| self.bound(device, uploads, place, otherwise));
         let [color, emissive, normals] = &bound;
         let pairs = [color, emissive, normals].map(|(texture, sampler)| (texture, *sampler));
-        bind(device, &self.coat_layout, &pairs)
+        bind(device, &self.material_layout, &pairs)
     }
 
     fn bound(

@@ -3,8 +3,8 @@
 
 use super::buffers::filled;
 use super::device::Device;
+use super::draw_list::{DrawList, DrawRange, MaterialBinding};
 use super::textures::{TextureBinding, TextureUploads};
-use super::wear::{Stretch, Wardrobe, Wear};
 use crate::rig::{Influence, Mesh, MorphDisplacement, Rig, RigId};
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3, Vec4};
@@ -26,18 +26,18 @@ pub(super) struct GpuRig {
     pub texcoords: Option<Buffer>,
     /// White for a mesh that has none; `None` where no mesh has any.
     pub colors: Option<Buffer>,
-    pub wears: Vec<Wear>,
+    pub bindings: Vec<MaterialBinding>,
     /// Of the file's own materials first, then those of each variant.
-    dressings: Vec<Dressing>,
+    variants: Vec<VariantDraws>,
     rig: Weak<Rig>,
     bytes: u64,
 }
 
 /// All triangles of a rig as they are drawn in one of its variants.
-pub(super) struct Dressing {
+pub(super) struct VariantDraws {
     /// In the order in which they are drawn, with their indices.
-    pub stretches: Vec<(Stretch, Range<u32>)>,
-    /// Which of the stretches are those of each part that blends, by mesh and part: their order is another from picture to picture.
+    pub ranges: Vec<(DrawRange, Range<u32>)>,
+    /// Which of the ranges are those of each part that blends, by mesh and part: their order is another from picture to picture.
     blending: HashMap<(usize, usize), Range<usize>>,
 }
 
@@ -86,7 +86,7 @@ impl GpuRig {
     fn upload(device: &Device, layouts: Layouts<'_>, rig: &Arc<Rig>) -> Self {
         let meshes = rig.meshes();
         let mut uploads = TextureUploads::default();
-        let wardrobe = Wardrobe::new(device, layouts.textures, &mut uploads, rig);
+        let draw_list = DrawList::new(device, layouts.textures, &mut uploads, rig);
         let mut vertex_count = 0;
         let vertices = meshes.iter().map(|mesh| {
             let first = vertex_count;
@@ -109,8 +109,8 @@ impl GpuRig {
             entries: &entries,
         });
 
-        let is_textured = wardrobe.is_textured();
-        let (dressings, indices) = dressings(meshes, &vertices, wardrobe.stretches);
+        let is_textured = draw_list.is_textured();
+        let (variants, indices) = variants(meshes, &vertices, draw_list.ranges);
         let indices = filled(device, "upload.indices", BufferUsages::INDEX, &indices);
         let has_texcoords = meshes.iter().any(|mesh| mesh.texcoords().is_some());
         let texcoords = (has_texcoords && is_textured).then(|| {
@@ -133,34 +133,34 @@ impl GpuRig {
             indices,
             texcoords,
             colors,
-            wears: wardrobe.wears,
-            dressings,
+            bindings: draw_list.bindings,
+            variants,
             rig: Arc::downgrade(rig),
             bytes,
         }
     }
 
     /// As the rig looks in a variant; `None` is the file's own choice.
-    pub fn dressing(&self, variant: Option<usize>) -> &Dressing {
-        let in_variant = variant.and_then(|variant| self.dressings.get(1 + variant));
-        in_variant.unwrap_or(&self.dressings[0])
+    pub fn variant(&self, variant: Option<usize>) -> &VariantDraws {
+        let in_variant = variant.and_then(|variant| self.variants.get(1 + variant));
+        in_variant.unwrap_or(&self.variants[0])
     }
 }
 
-impl Dressing {
+impl VariantDraws {
     /// Those of a part that blends, in the order of its draw triangles.
-    pub fn blending(&self, mesh: usize, part: usize) -> &[(Stretch, Range<u32>)] {
-        let stretches = self.blending.get(&(mesh, part));
-        stretches.map_or(&[], |stretches| &self.stretches[stretches.clone()])
+    pub fn blending(&self, mesh: usize, part: usize) -> &[(DrawRange, Range<u32>)] {
+        let ranges = self.blending.get(&(mesh, part));
+        ranges.map_or(&[], |ranges| &self.ranges[ranges.clone()])
     }
 }
 
-/// Where the stretches of each part that blends stand, which is in a row.
-fn blending(stretches: &[Stretch]) -> HashMap<(usize, usize), Range<usize>> {
+/// Where the ranges of each part that blends stand, which is in a row.
+fn blending(ranges: &[DrawRange]) -> HashMap<(usize, usize), Range<usize>> {
     let mut places = HashMap::new();
-    let those = stretches.iter().enumerate().filter(|(_, it)| it.blends);
-    for (index, stretch) in those {
-        let place = places.entry((stretch.mesh, stretch.part));
+    let those = ranges.iter().enumerate().filter(|(_, it)| it.blends);
+    for (index, range) in those {
+        let place = places.entry((range.mesh, range.part));
         place.or_insert(index..index).end = index + 1;
     }
     places
@@ -227,33 +227,33 @@ fn of_vertices<'a, T: Copy + 'a>(
     joined
 }
 
-/// All stretches with where their indices stand, and all indices: in the order of the first of them, which others share.
-fn dressings(
+/// All ranges with where their indices stand, and all indices: in the order of the first of them, which others share.
+fn variants(
     meshes: &[Mesh],
     vertices: &[Range<u32>],
-    stretches: Vec<Vec<Stretch>>,
-) -> (Vec<Dressing>, Vec<u32>) {
+    ranges: Vec<Vec<DrawRange>>,
+) -> (Vec<VariantDraws>, Vec<u32>) {
     let mut indices = Vec::new();
     let mut places = HashMap::new();
-    let dressings = stretches.into_iter().map(|stretches| {
-        let blending = blending(&stretches);
-        let placed = stretches.into_iter().map(|stretch| {
-            let triangles = stretch.triangles.clone();
-            let place = places.entry((stretch.mesh, triangles.start));
+    let variants = ranges.into_iter().map(|ranges| {
+        let blending = blending(&ranges);
+        let placed = ranges.into_iter().map(|range| {
+            let triangles = range.triangles.clone();
+            let place = places.entry((range.mesh, triangles.start));
             let place = place.or_insert_with(|| {
                 let start = indices.len() as u32;
-                let triangles = &meshes[stretch.mesh].draw_triangles()[triangles];
-                let first = vertices[stretch.mesh].start;
+                let triangles = &meshes[range.mesh].draw_triangles()[triangles];
+                let first = vertices[range.mesh].start;
                 indices.extend(triangles.as_flattened().iter().map(|corner| first + corner));
                 start..indices.len() as u32
             });
-            (stretch, place.clone())
+            (range, place.clone())
         });
-        Dressing {
-            stretches: placed.collect(),
+        VariantDraws {
+            ranges: placed.collect(),
             blending,
         }
     });
-    let dressings = dressings.collect();
-    (dressings, indices)
+    let variants = variants.collect();
+    (variants, indices)
 }

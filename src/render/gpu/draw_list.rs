@@ -1,8 +1,8 @@
-//! What the triangles of a rig wear, and the order in which they are drawn. Never lives here: what a picture makes of it.
+//! Which bindings the triangles of a rig are drawn with, and in which order. Never lives here: what a picture makes of it.
 
 use super::device::Device;
 use super::textures::{TextureBinding, TextureUploads};
-use crate::render::coat::Coat;
+use crate::render::material_params::MaterialParams;
 use crate::rig::{Material, Opacity, Rig, Texture, TexturePlace, Wrap};
 use crate::scene::Surface;
 use std::collections::HashMap;
@@ -10,22 +10,23 @@ use std::ops::Range;
 use std::sync::Arc;
 use wgpu::BindGroup;
 
-/// What is bound to draw triangles.
-pub(super) enum Wear {
-    /// The picture's surface alone.
+/// What is bound to draw triangles of a material.
+pub(super) enum MaterialBinding {
+    /// The surface of the instance alone.
     Plain,
-    /// The picture's surface, and a texture.
+    /// The surface of the instance, and a texture.
     Textured(BindGroup),
-    Coated {
+    /// A material with parameters of its own.
+    Full {
         textures: BindGroup,
-        /// A part that wears it, and the material that it wears then.
-        worn: Worn,
+        /// A part that has it.
+        part: PartMaterial,
     },
 }
 
 /// A part of a mesh in one of the materials that variants give it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Worn {
+pub(super) struct PartMaterial {
     mesh: usize,
     part: usize,
     material: Option<usize>,
@@ -33,9 +34,9 @@ pub(super) struct Worn {
 
 /// Draw triangles of one part of a mesh that stand in a row in the index buffer and are culled alike.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Stretch {
-    /// Index into [`Wardrobe::wears`].
-    pub wear: usize,
+pub(super) struct DrawRange {
+    /// Index into [`DrawList::bindings`].
+    pub binding: usize,
     pub mesh: usize,
     pub part: usize,
     /// Among the mesh's draw triangles.
@@ -44,164 +45,162 @@ pub(super) struct Stretch {
     pub blends: bool,
 }
 
-/// All that a rig wears, and its triangles in the order in which they are drawn.
+/// All bindings of a rig, and its triangles in the order in which they are drawn.
 ///
-/// Those that wear the same stand side by side, so that few draws show them, in the order in which the file first names what they wear;
+/// Those with the same binding stand side by side, so that few draws show them, in the order in which the file first names their materials;
 /// what blends comes last, there all of a part in a row: each picture has an order of its own for these parts. Of surfaces at just the same
-/// depth the first is seen: between parts that wear different things that may be another than the file's first, and between meshes that wear
-/// the same, one of whose triangles are wound the other way. Within a part the order is that of its draw triangles.
-pub(super) struct Wardrobe {
-    pub wears: Vec<Wear>,
-    /// Of the file's own materials first, then those of each variant. All have the same stretches of triangles, in orders of their own.
-    pub stretches: Vec<Vec<Stretch>>,
+/// depth the first is seen. Between parts with different bindings that may be another than the file's first, and so between meshes with the
+/// same one, some of whose triangles are wound the other way. Within a part the order is that of its draw triangles.
+pub(super) struct DrawList {
+    pub bindings: Vec<MaterialBinding>,
+    /// Of the file's own materials first, then those of each variant. All have the same ranges of triangles, in orders of their own.
+    pub ranges: Vec<Vec<DrawRange>>,
 }
 
-/// What tells one wear from another.
+/// What tells one binding from another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-enum Name {
+enum BindingKey {
     Plain,
     Textured(*const Texture),
     /// By what it is made of: files name one material many times over. What is the same under the surface that asks for nothing is the same
     /// under every other.
-    Coated {
-        coat: [u8; size_of::<Coat>()],
+    Full {
+        params: [u8; size_of::<MaterialParams>()],
         textures: [Option<(*const Texture, [Wrap; 2])>; 3],
     },
 }
 
-impl Wardrobe {
+impl DrawList {
     pub fn new(
         device: &Device,
-        binding: &TextureBinding,
+        texture_binding: &TextureBinding,
         uploads: &mut TextureUploads,
         rig: &Rig,
     ) -> Self {
-        let mut names = Names::default();
+        let mut keys = BindingKeys::default();
         let variants = (0..rig.variants().len()).map(Some);
         let variants = std::iter::once(None).chain(variants);
-        let stretches = variants
-            .map(|variant| names.stretches(rig, variant))
-            .collect();
-        let wear = |&(name, worn): &(Name, Worn)| {
-            let material = worn.material(rig);
-            match name {
-                Name::Plain => Wear::Plain,
-                Name::Textured(_) => match texture(material) {
-                    Some(texture) => {
-                        Wear::Textured(binding.bind(device, &uploads.upload(device, texture)))
-                    }
-                    None => Wear::Plain,
+        let ranges = variants.map(|variant| keys.ranges(rig, variant)).collect();
+        let binding = |&(key, part): &(BindingKey, PartMaterial)| {
+            let material = part.material(rig);
+            match key {
+                BindingKey::Plain => MaterialBinding::Plain,
+                BindingKey::Textured(_) => match texture(material) {
+                    Some(texture) => MaterialBinding::Textured(
+                        texture_binding.bind(device, &uploads.upload(device, texture)),
+                    ),
+                    None => MaterialBinding::Plain,
                 },
-                Name::Coated { .. } => Wear::Coated {
-                    textures: binding.bind_coat(device, uploads, material),
-                    worn,
+                BindingKey::Full { .. } => MaterialBinding::Full {
+                    textures: texture_binding.bind_material(device, uploads, material),
+                    part,
                 },
             }
         };
         Self {
-            wears: names.met.iter().map(wear).collect(),
-            stretches,
+            bindings: keys.met.iter().map(binding).collect(),
+            ranges,
         }
     }
 
     /// Whether anything looks at texture coordinates.
     pub fn is_textured(&self) -> bool {
-        let is_plain = |wear: &Wear| matches!(wear, Wear::Plain);
-        !self.wears.iter().all(is_plain)
+        let is_plain = |binding: &MaterialBinding| matches!(binding, MaterialBinding::Plain);
+        !self.bindings.iter().all(is_plain)
     }
 }
 
-impl Wear {
+impl MaterialBinding {
     /// As a picture with this surface shows it on `rig`.
-    pub fn coat(&self, rig: &Rig, surface: &Surface) -> Option<Coat> {
+    pub fn params(&self, rig: &Rig, surface: &Surface) -> Option<MaterialParams> {
         match *self {
             Self::Plain | Self::Textured(_) => None,
-            Self::Coated { worn, .. } => worn.coat(rig, surface),
+            Self::Full { part, .. } => part.params(rig, surface),
         }
     }
 }
 
-impl Worn {
+impl PartMaterial {
     fn material(self, rig: &Rig) -> Option<&Material> {
         self.material.map(|material| &rig.materials()[material])
     }
 
-    fn coat(self, rig: &Rig, surface: &Surface) -> Option<Coat> {
+    fn params(self, rig: &Rig, surface: &Surface) -> Option<MaterialParams> {
         let mesh = &rig.meshes()[self.mesh];
-        Coat::of(mesh, &mesh.parts()[self.part], self.material(rig), surface)
+        MaterialParams::of(mesh, &mesh.parts()[self.part], self.material(rig), surface)
     }
 
-    fn name(self, rig: &Rig) -> Name {
+    fn key(self, rig: &Rig) -> BindingKey {
         let material = self.material(rig);
-        // Whether there is a coat does not depend on the picture's surface.
-        if let Some(coat) = self.coat(rig, &Surface::default()) {
-            let worn = |place: Option<&TexturePlace>| {
+        // Whether there are parameters does not depend on the surface that is asked for.
+        if let Some(params) = self.params(rig, &Surface::default()) {
+            let texture = |place: Option<&TexturePlace>| {
                 place.map(|place| (Arc::as_ptr(&place.texture), place.wrap))
             };
             let normal_map = material.and_then(|it| it.normal_map.as_ref());
-            return Name::Coated {
-                coat: bytemuck::cast(coat),
+            return BindingKey::Full {
+                params: bytemuck::cast(params),
                 textures: [
-                    worn(material.and_then(|it| it.texture.as_ref())),
-                    worn(material.and_then(|it| it.emissive_texture.as_ref())),
-                    worn(normal_map.map(|map| &map.place)),
+                    texture(material.and_then(|it| it.texture.as_ref())),
+                    texture(material.and_then(|it| it.emissive_texture.as_ref())),
+                    texture(normal_map.map(|map| &map.place)),
                 ],
             };
         }
         match (texture(material), rig.meshes()[self.mesh].texcoords()) {
-            (Some(texture), Some(_)) => Name::Textured(Arc::as_ptr(texture)),
-            _ => Name::Plain,
+            (Some(texture), Some(_)) => BindingKey::Textured(Arc::as_ptr(texture)),
+            _ => BindingKey::Plain,
         }
     }
 }
 
-/// What is worn, each with a part that wears it, in the order in which it was met.
+/// Distinct ones, each with a part that has it, in the order in which they were met.
 #[derive(Debug, Default)]
-struct Names {
-    met: Vec<(Name, Worn)>,
-    places: HashMap<Name, usize>,
+struct BindingKeys {
+    met: Vec<(BindingKey, PartMaterial)>,
+    indices: HashMap<BindingKey, usize>,
 }
 
-impl Names {
-    /// Who wears what in a variant.
-    fn stretches(&mut self, rig: &Rig, variant: Option<usize>) -> Vec<Stretch> {
+impl BindingKeys {
+    /// All triangles of a rig as they are drawn in a variant.
+    fn ranges(&mut self, rig: &Rig, variant: Option<usize>) -> Vec<DrawRange> {
         let mut found = Vec::new();
         for (index, mesh) in rig.meshes().iter().enumerate() {
             for (part_index, part) in mesh.parts().iter().enumerate() {
-                let worn = Worn {
+                let part_material = PartMaterial {
                     mesh: index,
                     part: part_index,
                     material: part.look(variant).material,
                 };
-                let wear = self.place(rig, worn);
-                let blends = worn
+                let binding = self.index(rig, part_material);
+                let blends = part_material
                     .material(rig)
                     .is_some_and(|it| it.opacity == Opacity::Blend);
                 for (half, triangles) in part.halves().into_iter().enumerate() {
-                    let stretch = Stretch {
-                        wear,
+                    let range = DrawRange {
+                        binding,
                         mesh: index,
                         part: part_index,
                         triangles,
                         blends,
                     };
-                    if !stretch.triangles.is_empty() {
+                    if !range.triangles.is_empty() {
                         // What is opaque is drawn with one side left out, then with the other. What blends is drawn part by part.
                         let half = if blends { 0 } else { half };
-                        found.push(((blends, wear, half), stretch));
+                        found.push(((blends, binding, half), range));
                     }
                 }
             }
         }
         // Stable: the file's order where nothing else decides.
         found.sort_by_key(|(rank, _)| *rank);
-        found.into_iter().map(|(_, stretch)| stretch).collect()
+        found.into_iter().map(|(_, range)| range).collect()
     }
 
-    fn place(&mut self, rig: &Rig, worn: Worn) -> usize {
-        let name = worn.name(rig);
-        *self.places.entry(name).or_insert_with(|| {
-            self.met.push((name, worn));
+    fn index(&mut self, rig: &Rig, part: PartMaterial) -> usize {
+        let key = part.key(rig);
+        *self.indices.entry(key).or_insert_with(|| {
+            self.met.push((key, part));
             self.met.len() - 1
         })
     }
@@ -236,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn what_wears_the_same_stands_side_by_side_and_what_blends_comes_last() {
+    fn what_is_bound_alike_stands_side_by_side_and_what_blends_comes_last() {
         let glass = Material {
             opacity: Opacity::Blend,
             ..Material::named("glass".to_owned())
@@ -262,16 +261,16 @@ mod tests {
             ..Draft::default()
         };
         let rig = draft.build(&Limits::default()).expect("a rig");
-        let mut names = Names::default();
-        let stretches = names.stretches(&rig, None);
-        let met = &names.met;
+        let mut keys = BindingKeys::default();
+        let ranges = keys.ranges(&rig, None);
+        let met = &keys.met;
         assert_eq!(met.len(), 3, "plain is plain, named or not: {met:?}");
-        let order: Vec<_> = stretches.iter().map(|it| (it.mesh, it.part)).collect();
+        let order: Vec<_> = ranges.iter().map(|it| (it.mesh, it.part)).collect();
         // The paint's back, wound the other way, behind all of its front.
         let wanted = [(1, 1), (0, 1), (1, 0), (2, 0), (0, 0), (2, 1)];
         assert_eq!(order, wanted);
-        let wears: Vec<_> = stretches.iter().map(|it| it.wear).collect();
-        assert_eq!(wears, [1, 1, 2, 2, 0, 0]);
+        let bindings: Vec<_> = ranges.iter().map(|it| it.binding).collect();
+        assert_eq!(bindings, [1, 1, 2, 2, 0, 0]);
     }
 
     #[test]
@@ -300,8 +299,8 @@ mod tests {
             ..Draft::default()
         };
         let rig = draft.build(&Limits::default()).expect("a rig");
-        let stretches = Names::default().stretches(&rig, None);
-        let order = stretches.iter().map(|it| (it.mesh, it.triangles.clone()));
+        let ranges = BindingKeys::default().ranges(&rig, None);
+        let order = ranges.iter().map(|it| (it.mesh, it.triangles.clone()));
         let order: Vec<_> = order.collect();
         assert_eq!(order, [(0, 0..1), (0, 1..2), (1, 0..1), (1, 1..2)]);
     }

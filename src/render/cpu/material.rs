@@ -1,22 +1,21 @@
-//! Parts of meshes with a material that has more to it than a color or a texture: what they wear, and what that is at a pixel. The twin of
-//! `shaders/coat.wgsl`. Never lives here: light.
+//! Parts of meshes whose material has parameters of its own: what it is at a pixel. The twin of `shaders/material.wgsl`. Never lives here: light.
 
 use super::geometry::Corner;
 use super::interpolate::{Plane, Planes};
 use super::raster::Slope;
-use super::shade::{Finish, Fragment};
+use super::shade::{Fragment, MaterialSample};
 use super::texture;
-use crate::render::coat::Coat;
 use crate::render::instance_params::InstanceParams;
+use crate::render::material_params::MaterialParams;
 use crate::rig::{Material, Mesh, Part, Rig, TexturePlace};
 use crate::scene::Surface;
 use fearless_simd::prelude::*;
 use glam::{Vec2, Vec3, Vec4};
 
-/// A part's coat with what is worn by each vertex.
+/// The material of a part, and what its vertices have.
 #[derive(Clone, Copy)]
-pub(super) struct Coated<'a> {
-    pub coat: Coat,
+pub(super) struct PartMaterial<'a> {
+    pub params: MaterialParams,
     material: Option<&'a Material>,
     /// One for each vertex of the mesh, as the colors are. Without them, texture coordinates are 0.
     pub texcoords: Option<&'a [Vec2]>,
@@ -26,22 +25,22 @@ pub(super) struct Coated<'a> {
 
 /// A triangle of one, ready to be looked up.
 #[derive(Clone, Copy)]
-pub(super) struct CoatedTriangle {
-    /// Which of the picture's [`Coated`] it is of.
-    pub coated: u32,
+pub(super) struct MaterialTriangle {
+    /// Which of the picture's [`PartMaterial`] it is of.
+    pub material: u32,
     /// The vertex color over w.
     color: Plane,
     /// In its plane, in which the place on the normal map moves to the right and up, of unit length; none where it does not move, or where
     /// no normal is mapped.
-    slants: Option<[Vec3; 2]>,
+    tangents: Option<[Vec3; 2]>,
 }
 
-impl<'a> Coated<'a> {
-    /// `None` of a part that has no coat.
+impl<'a> PartMaterial<'a> {
+    /// `None` of a part that has none.
     pub fn of(rig: &'a Rig, mesh: &'a Mesh, part: &Part, surface: &Surface) -> Option<Self> {
         let material = rig.material_of(part, surface.variant);
         Some(Self {
-            coat: Coat::of(mesh, part, material, surface)?,
+            params: MaterialParams::of(mesh, part, material, surface)?,
             material,
             texcoords: mesh.texcoords(),
             colors: mesh.colors(),
@@ -62,15 +61,15 @@ impl<'a> Coated<'a> {
 
     /// Whether there are pixels that triangles cover and leave out.
     pub fn has_holes(&self) -> bool {
-        self.coat.least_alpha > 0.0
+        self.params.least_alpha > 0.0
     }
 
-    /// Color and opacity of the coat where its texture and its vertices have these.
+    /// Color and opacity of the material where its texture and its vertices have these.
     #[inline(always)]
     fn color<S: Simd>(&self, simd: S, texcoords: &Texcoords, vertex: [f32; 4]) -> [f32; 4] {
-        let own = self.coat.color.to_array();
+        let own = self.params.color.to_array();
         let texel = match self.texture() {
-            Some(laid) => laid_out(simd, laid, &self.coat.color_place, texcoords),
+            Some(laid) => sample_transformed(simd, laid, &self.params.color_place, texcoords),
             None => [1.0; 4],
         };
         [0, 1, 2, 3].map(|channel| own[channel] * texel[channel] * vertex[channel])
@@ -103,46 +102,46 @@ impl<'a> Coated<'a> {
         match self.colors {
             Some(_) => {
                 let over_w = color.at(simd, from_origin).to_array();
-                over_w.map(|channel| held(channel / inverse_w))
+                over_w.map(|channel| saturate(channel / inverse_w))
             }
             None => [1.0; 4],
         }
     }
 }
 
-impl CoatedTriangle {
+impl MaterialTriangle {
     /// `is_bare`: lit by its own normal, whatever a map says.
     #[inline(always)]
     pub fn of<S: Simd>(
         simd: S,
-        coated: u32,
-        of: &Coated<'_>,
+        material: u32,
+        of: &PartMaterial<'_>,
         corners: &[Corner; 3],
         is_bare: bool,
     ) -> Self {
         let slope = Slope::of(corners.map(|corner| corner.projected));
-        let is_mapped = !is_bare && of.normal_map().is_some() && of.coat.normal_scale != 0.0;
+        let is_mapped = !is_bare && of.normal_map().is_some() && of.params.normal_scale != 0.0;
         Self {
-            coated,
+            material,
             color: Plane::of_colors(simd, &slope, corners),
-            slants: is_mapped
-                .then(|| slants(corners, &of.coat.normal_place))
+            tangents: is_mapped
+                .then(|| tangents(corners, &of.params.normal_place))
                 .flatten(),
         }
     }
 
-    /// What the triangle shows of a pixel: what it scatters, and the finish of the coat. `from_origin` is where it is shaded, in pixels.
+    /// What the triangle shows of a pixel: its base color and place, and the rest of the material. `from_origin` is where it is shaded, in pixels.
     #[inline(always)]
     pub fn shown<S: Simd>(
         &self,
         simd: S,
-        of: &Coated<'_>,
+        of: &PartMaterial<'_>,
         planes: &Planes,
         from_origin: [f32; 2],
         pixel: [f32; 2],
-        params: &InstanceParams,
-    ) -> (Fragment, Finish) {
-        let coat = &of.coat;
+        instance: &InstanceParams,
+    ) -> (Fragment, MaterialSample) {
+        let params = &of.params;
         let texcoords = Texcoords::around(simd, &planes.texcoord, planes.origin, pixel);
         let normal = planes.normal.at(simd, from_origin).to_array();
         // A mask leaves out whole pixels, so alpha is that of their middles, whatever it is for.
@@ -153,34 +152,35 @@ impl CoatedTriangle {
         let fragment = Fragment {
             normal,
             position: planes.position.at(simd, from_origin).to_array(),
-            diffuse: [r, g, b, coat.is_lit as f32],
+            diffuse: [r, g, b, params.is_lit as f32],
         };
-        let given_off = match of.emissive_texture() {
+        let emissive = match of.emissive_texture() {
             Some(laid) => {
-                let [r, g, b, _] = laid_out(simd, laid, &coat.emissive_place, &texcoords);
-                coat.emissive * Vec3::new(r, g, b)
+                let [r, g, b, _] =
+                    sample_transformed(simd, laid, &params.emissive_place, &texcoords);
+                params.emissive * Vec3::new(r, g, b)
             }
-            None => coat.emissive,
+            None => params.emissive,
         };
-        let alpha = if coat.is_translucent == 1 {
-            held(alpha)
+        let alpha = if params.is_translucent == 1 {
+            saturate(alpha)
         } else {
             1.0
         };
-        let mut finish = Finish {
-            specular: coat.specular.extend(coat.shininess).to_array(),
-            emissive: given_off.extend(alpha).to_array(),
-            right: [0.0, 0.0, 0.0, params.least_distance_squared],
-            ..Finish::default()
+        let mut material = MaterialSample {
+            specular: params.specular.extend(params.shininess).to_array(),
+            emissive: emissive.extend(alpha).to_array(),
+            right: [0.0, 0.0, 0.0, instance.least_distance_squared],
+            ..MaterialSample::default()
         };
-        if let (Some([right, up]), Some(map)) = (self.slants, of.normal_map()) {
-            let [x, y, z, _] = laid_out(simd, map, &coat.normal_place, &texcoords);
+        if let (Some([right, up]), Some(map)) = (self.tangents, of.normal_map()) {
+            let [x, y, z, _] = sample_transformed(simd, map, &params.normal_place, &texcoords);
             let [x, y, z] = [x, y, z].map(|number| 2.0 * number - 1.0);
-            finish.mapped = [x * coat.normal_scale, y * coat.normal_scale, z, 1.0];
-            finish.right = right.extend(params.least_distance_squared).to_array();
-            finish.up = up.extend(0.0).to_array();
+            material.mapped = [x * params.normal_scale, y * params.normal_scale, z, 1.0];
+            material.right = right.extend(instance.least_distance_squared).to_array();
+            material.up = up.extend(0.0).to_array();
         }
-        (fragment, finish)
+        (fragment, material)
     }
 }
 
@@ -228,7 +228,7 @@ fn neighbour(pixel: f32) -> f32 {
 
 /// What a texture has at a pixel, where `rows` lay it.
 #[inline(always)]
-fn laid_out<S: Simd>(
+fn sample_transformed<S: Simd>(
     simd: S,
     laid: &TexturePlace,
     rows: &[Vec4; 2],
@@ -239,7 +239,7 @@ fn laid_out<S: Simd>(
     let below = place(rows, texcoords.below);
     let by_x = [beside[0] - here[0], beside[1] - here[1]];
     let by_y = [below[0] - here[0], below[1] - here[1]];
-    texture::sample_laid(simd, laid, here, by_x, by_y)
+    texture::sample_wrapped(simd, laid, here, by_x, by_y)
 }
 
 /// On a picture, from its upper left corner.
@@ -250,7 +250,7 @@ fn place(rows: &[Vec4; 2], [u, v]: [f32; 2]) -> [f32; 2] {
 }
 
 /// The directions in a triangle's plane in which the place on a picture moves to the right and up.
-fn slants(corners: &[Corner; 3], rows: &[Vec4; 2]) -> Option<[Vec3; 2]> {
+fn tangents(corners: &[Corner; 3], rows: &[Vec4; 2]) -> Option<[Vec3; 2]> {
     let at = corners.map(|corner| place(rows, corner.texcoord));
     let [from, one, other] = corners.map(|corner| Vec3::from_array(corner.position));
     let (one, other) = (one - from, other - from);
@@ -274,7 +274,7 @@ fn slants(corners: &[Corner; 3], rows: &[Vec4; 2]) -> Option<[Vec3; 2]> {
 }
 
 /// Between 0 and 1; 0 of what is no number.
-fn held(number: f32) -> f32 {
+fn saturate(number: f32) -> f32 {
     if number > 0.0 { number.min(1.0) } else { 0.0 }
 }
 
@@ -394,7 +394,7 @@ mod tests {
     }
 
     #[test]
-    fn coats_are_the_same_on_every_vector_unit() {
+    fn materials_are_the_same_on_every_vector_unit() {
         for samples in [Samples::One, Samples::Four] {
             let plan = tangle(samples);
             let draw = |cpu: Cpu| cpu.render(&plan, Spread::to_the_end(Cores::One));

@@ -1,6 +1,6 @@
 //! How much may share a submission. Never lives here: what is done with the rest.
 
-use super::coats::Coats;
+use super::material_buffer::MaterialBuffer;
 use super::readback::query_bytes;
 use super::shade::{LINE_CORNERS, MOST_PARAMS_STRIDE, shape_of};
 use crate::pose::SkinDualQuaternion;
@@ -79,8 +79,8 @@ fn image_bytes(plan: &Plan, beside: &[&Plan]) -> u64 {
             .meshes()
             .iter()
             .map(|mesh| mesh.parts().len());
-        let coats = parts.sum::<usize>() * Coats::MOST_STRIDE;
-        lines + solids + coats + MOST_PARAMS_STRIDE
+        let materials = parts.sum::<usize>() * MaterialBuffer::MOST_STRIDE;
+        lines + solids + materials + MOST_PARAMS_STRIDE
     });
     targets + (rasters.sum::<usize>() + instances.sum::<usize>()) as u64
 }

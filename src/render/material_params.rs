@@ -1,5 +1,5 @@
-//! What a part of a mesh is coated with, as numbers of 32 bits, which both renderers read: a file's material and what a frame request says
-//! instead. It mirrors `Coat` in `shaders/coat.wgsl`; a test beside the other mirrors compares every offset.
+//! The material of a part of a mesh, as numbers of 32 bits, which both renderers read: a file's material and what a frame request says
+//! instead. It mirrors `MaterialParams` in `shaders/material.wgsl`; a test beside the other mirrors compares every offset.
 
 use crate::rig::{Material, Mesh, Opacity, Part, TextureTransform, Wrap};
 use crate::scene::{Color, Surface};
@@ -9,7 +9,7 @@ use glam::{Vec3, Vec4};
 /// Colors are linear RGB.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct Coat {
+pub(super) struct MaterialParams {
     /// What is scattered, and opacity: before texture and vertex color.
     pub color: Vec4,
     pub specular: Vec3,
@@ -30,7 +30,7 @@ pub(super) struct Coat {
     pub is_flat: u32,
 }
 
-impl Coat {
+impl MaterialParams {
     /// `None` where the frame request's own surface, and perhaps a texture that is repeated as texture coordinates have it, say it all.
     pub(super) fn of(
         mesh: &Mesh,

@@ -1,9 +1,9 @@
-// Stages 2 and 3, raster and shade, of skin that is coated with a material of its own. In: skinned vertices in model space, texture
-// coordinates, vertex colors, the coat. Out: premultiplied linear RGBA, one sample or four.
+// Stages 2 and 3, raster and shade, of skin with a material of its own. In: skinned vertices in model space, texture
+// coordinates, vertex colors, the material. Out: premultiplied linear RGBA, one sample or four.
 // CPU twins: `render/cpu/raster.rs`, `interpolate.rs`, `texture.rs` and `shade.rs`; the rules stand in `render/plan.rs`.
 
-// Mirrored by `render/coat.rs`; a test compares every offset.
-struct Coat {
+// Mirrored by `render/material_params.rs`; a test compares every offset.
+struct MaterialParams {
     // Linear RGB that is scattered, and opacity: before texture and vertex color.
     color: vec4<f32>,
     specular: vec3<f32>,
@@ -31,7 +31,7 @@ struct Coat {
 @group(1) @binding(3) var emissive_sampler: sampler;
 @group(1) @binding(4) var normal_picture: texture_2d<f32>;
 @group(1) @binding(5) var normal_sampler: sampler;
-@group(2) @binding(0) var<uniform> coat: Coat;
+@group(2) @binding(0) var<uniform> material: MaterialParams;
 
 struct Vertex {
     @builtin(position) position_in_clip: vec4<f32>,
@@ -45,7 +45,7 @@ struct Vertex {
 }
 
 @vertex
-fn coated_vertex(
+fn material_vertex(
     @location(0) position_in_model: vec3<f32>,
     @location(1) normal_in_model: vec3<f32>,
     @location(2) texcoord: vec2<f32>,
@@ -58,38 +58,38 @@ fn coated_vertex(
 }
 
 @fragment
-fn coated_fragment(vertex: Vertex, rasterized: Rasterized) -> @location(0) vec4<f32> {
+fn material_fragment(vertex: Vertex, rasterized: Rasterized) -> @location(0) vec4<f32> {
     // The picture's rows run from the top, v from the bottom.
     let from_above = vec3(vertex.texcoord.x, 1.0 - vertex.texcoord.y, 1.0);
-    let texel = sampled(color_picture, color_sampler, place(coat.color_place, from_above));
+    let texel = sampled(color_picture, color_sampler, place(material.color_place, from_above));
     let offset = centroid_offset(rasterized, vertex.position_in_clip, vertex.driver_centroid_in_clip);
     let shaded = place_at(offset, vertex.w);
     let vertex_color = at_place(vertex.color.rgb, shaded);
-    let diffuse = coat.color.rgb * texel.rgb * clamp(vertex_color, vec3(0.0), vec3(1.0));
+    let diffuse = material.color.rgb * texel.rgb * clamp(vertex_color, vec3(0.0), vec3(1.0));
     // Of the pixel's center, like the texture's: a mask takes all samples of a pixel or none.
-    let alpha = coat.color.a * texel.a * clamp(vertex.color.a, 0.0, 1.0);
+    let alpha = material.color.a * texel.a * clamp(vertex.color.a, 0.0, 1.0);
 
     // All that is asked below is the same for every pixel of a draw, as derivatives need it; only then are pixels left out.
     var color = diffuse;
-    if coat.is_lit == 1u {
+    if material.is_lit == 1u {
         let p = at_place(vertex.position_in_world, shaded);
         let smooth_normal = at_place(vertex.normal_in_world, shaded);
         let back_to_eye = toward_eye(p);
-        let is_flat = (coat.is_flat | instance.flat_normals) == 1u;
+        let is_flat = (material.is_flat | instance.flat_normals) == 1u;
         var n = normal_seen(smooth_normal, vertex.position_in_world, rasterized.is_front, back_to_eye, is_flat);
-        if coat.normal_scale != 0.0 && instance.flat_normals == 0u {
-            n = mapped(n, vertex.position_in_world, place(coat.normal_place, from_above));
+        if material.normal_scale != 0.0 && instance.flat_normals == 0u {
+            n = mapped(n, vertex.position_in_world, place(material.normal_place, from_above));
         }
-        color = reflected(p, n, back_to_eye, diffuse, coat.specular, coat.shininess);
-        if any(coat.emissive != vec3(0.0)) {
-            let given_off = sampled(emissive_picture, emissive_sampler, place(coat.emissive_place, from_above));
-            color += coat.emissive * given_off.rgb;
+        color = reflected(p, n, back_to_eye, diffuse, material.specular, material.shininess);
+        if any(material.emissive != vec3(0.0)) {
+            let given_off = sampled(emissive_picture, emissive_sampler, place(material.emissive_place, from_above));
+            color += material.emissive * given_off.rgb;
         }
     }
-    if alpha < coat.least_alpha {
+    if alpha < material.least_alpha {
         discard;
     }
-    let opacity = instance.opacity * select(1.0, clamp(alpha, 0.0, 1.0), coat.is_translucent == 1u);
+    let opacity = instance.opacity * select(1.0, clamp(alpha, 0.0, 1.0), material.is_translucent == 1u);
     return vec4(clamp(color, vec3(0.0), vec3(1.0)) * opacity, opacity);
 }
 
@@ -114,7 +114,7 @@ fn sampled(picture: texture_2d<f32>, edges: sampler, place: vec2<f32>) -> vec4<f
 // to pixel: that is the same all over a triangle, whatever the perspective. To be called in uniform control flow.
 fn mapped(n: vec3<f32>, middle: vec3<f32>, place: vec2<f32>) -> vec3<f32> {
     let texel = sampled(normal_picture, normal_sampler, place);
-    let m = (2.0 * texel.xyz - 1.0) * vec3(coat.normal_scale, coat.normal_scale, 1.0);
+    let m = (2.0 * texel.xyz - 1.0) * vec3(material.normal_scale, material.normal_scale, 1.0);
     let p_by_x = dpdxFine(middle);
     let p_by_y = dpdyFine(middle);
     let by_x = dpdxFine(place);

@@ -1,28 +1,28 @@
-//! The coats of all pictures of a submission on the device.
+//! The parameters of the materials of all pictures of a submission, on the device.
 
 use super::buffers::Growing;
 use super::device::Device;
-use crate::render::coat::Coat;
+use crate::render::material_params::MaterialParams;
 use wgpu::BufferUsages;
 
-pub(super) struct Coats {
+pub(super) struct MaterialBuffer {
     pub layout: wgpu::BindGroupLayout,
     buffer: Growing,
     group: wgpu::BindGroup,
-    /// Bytes from one coat to the next, as the device aligns them.
+    /// Bytes from one material to the next, as the device aligns them.
     stride: usize,
     /// Reused from submission to submission.
     gathered: Vec<u8>,
 }
 
-impl Coats {
-    /// At the most, from one coat to the next: what devices align to at the worst.
-    pub const MOST_STRIDE: usize = size_of::<Coat>().next_multiple_of(256);
+impl MaterialBuffer {
+    /// At the most, from one material to the next: what devices align to at the worst.
+    pub const MOST_STRIDE: usize = size_of::<MaterialParams>().next_multiple_of(256);
 
     pub fn new(device: &Device) -> Self {
         let wgpu_device = &device.device;
         let layout = wgpu_device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("coats.coat"),
+            label: Some("material_buffer"),
             entries: &[wgpu::BindGroupLayoutEntry {
                 binding: 0,
                 visibility: wgpu::ShaderStages::FRAGMENT,
@@ -34,13 +34,13 @@ impl Coats {
                 count: None,
             }],
         });
-        let buffer = Growing::new(device, "coats.coats", BufferUsages::UNIFORM);
+        let buffer = Growing::new(device, "material_buffer.materials", BufferUsages::UNIFORM);
         let alignment = wgpu_device.limits().min_uniform_buffer_offset_alignment as usize;
         Self {
             group: bind(device, &layout, &buffer),
             layout,
             buffer,
-            stride: size_of::<Coat>().next_multiple_of(alignment),
+            stride: size_of::<MaterialParams>().next_multiple_of(alignment),
             gathered: Vec::new(),
         }
     }
@@ -54,9 +54,10 @@ impl Coats {
     }
 
     /// Where it will be bound once it is [written](Self::write).
-    pub fn add(&mut self, coat: &Coat) -> u32 {
+    pub fn add(&mut self, material: &MaterialParams) -> u32 {
         let offset = self.gathered.len();
-        self.gathered.extend_from_slice(bytemuck::bytes_of(coat));
+        self.gathered
+            .extend_from_slice(bytemuck::bytes_of(material));
         self.gathered.resize(offset + self.stride, 0);
         offset as u32
     }
@@ -75,17 +76,17 @@ impl Coats {
 
 /// One at a time.
 fn bind(device: &Device, layout: &wgpu::BindGroupLayout, buffer: &Growing) -> wgpu::BindGroup {
-    let coat = wgpu::BufferBinding {
+    let material = wgpu::BufferBinding {
         buffer: buffer.buffer(),
         offset: 0,
-        size: wgpu::BufferSize::new(size_of::<Coat>() as u64),
+        size: wgpu::BufferSize::new(size_of::<MaterialParams>() as u64),
     };
     device.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("coats.coat"),
+        label: Some("material_buffer"),
         layout,
         entries: &[wgpu::BindGroupEntry {
             binding: 0,
-            resource: wgpu::BindingResource::Buffer(coat),
+            resource: wgpu::BindingResource::Buffer(material),
         }],
     })
 }
