@@ -11,7 +11,7 @@ use rigd::protocol;
 use rigd::protocol::frame::FrameParams;
 use rigd::protocol::pose::PoseSetParams;
 use rigd::render::Plan;
-use rigd::render::cpu::{Cores, Cpu, Spread};
+use rigd::render::cpu::{Cores, Cpu, Parallelism};
 use rigd::rig::{Material, Opacity, Rig};
 use rigd::scene::{
     Background, Bounds, Camera, Color, Cull, Light, Orbit, Samples, Show, ShowNormals,
@@ -64,10 +64,12 @@ fn plan(rig: &Arc<Rig>, index: usize) -> Plan {
 const LIST_OF_OUTPUTS: u64 = 1;
 
 fn allocations(cpu: &Cpu, plan: &Plan) -> AllocationInfo {
-    measure(|| match cpu.render(plan, Spread::to_the_end(Cores::One)) {
-        Some(outputs) => assert!(!outputs.images[0].bytes.is_empty()),
-        None => unreachable!("it is wanted"),
-    })
+    measure(
+        || match cpu.render(plan, Parallelism::uncancelled(Cores::One)) {
+            Some(outputs) => assert!(!outputs.images[0].bytes.is_empty()),
+            None => unreachable!("it is wanted"),
+        },
+    )
 }
 
 #[test]

@@ -6,7 +6,7 @@ mod support;
 use glam::{DVec2, DVec3, Vec3};
 use rigd::limits::Limits;
 use rigd::pose::{Pose, Posed, Skinning};
-use rigd::render::cpu::{Cores, Cpu, Spread};
+use rigd::render::cpu::{Cores, Cpu, Parallelism};
 use rigd::rig::{Draft, MeshDraft};
 use rigd::scene::{
     Background, Bounds, Camera, Color, Cull, LookAt, Near, Ray, Samples, Show, Size, Surface,
@@ -120,7 +120,7 @@ fn drawn(camera: Camera, triangles: &[[DVec3; 3]]) -> Vec<u8> {
     };
     match Cpu::default().render(
         &scene.plan(posed, Skinning::Linear, 1.0),
-        Spread::to_the_end(Cores::One),
+        Parallelism::uncancelled(Cores::One),
     ) {
         Some(outputs) => outputs.images[0].bytes.to_vec(),
         None => unreachable!("it is wanted"),

@@ -5,7 +5,7 @@ mod support;
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 use rigd::frame::Outputs;
 use rigd::pose::{Pose, Posed, Skinning};
-use rigd::render::cpu::{Cores, Cpu, Spread};
+use rigd::render::cpu::{Cores, Cpu, Parallelism};
 use rigd::render::{ImagePlan, Instance, Plan};
 use rigd::scene::{
     Appearance, Bounds, Camera, Color, Light, LookAt, Near, Samples, Show, ShowSkeleton, Surface,
@@ -244,7 +244,7 @@ fn assert_is_each_by_itself(render: &mut dyn FnMut(&Plan) -> Outputs) {
 fn a_picture_and_vertices_of_one_plan_are_those_of_each_alone() {
     let cpu = Cpu::default();
     assert_is_each_by_itself(&mut |plan| {
-        let outputs = cpu.render(plan, Spread::to_the_end(Cores::One));
+        let outputs = cpu.render(plan, Parallelism::uncancelled(Cores::One));
         outputs.expect("it is wanted")
     });
 }

@@ -8,7 +8,7 @@ use rigd::engine::{AdapterKind, Cancellation, Engine, FrameQuery, JobContext};
 use rigd::frame::{Outputs, Raster, SkinnedVertices};
 use rigd::pose::{Posed, Skinning};
 use rigd::render::Plan;
-use rigd::render::cpu::{Cores, Cpu, Spread};
+use rigd::render::cpu::{Cores, Cpu, Parallelism};
 use rigd::scene::{Appearance, Shape, VertexQuery};
 use std::io::Write;
 use std::net::TcpStream;
@@ -187,7 +187,7 @@ fn context(engine: &Engine) -> JobContext {
 }
 
 fn picture(cpu: &Cpu, plan: &Plan, cores: Cores) -> Raster {
-    match cpu.render(plan, Spread::to_the_end(cores)) {
+    match cpu.render(plan, Parallelism::uncancelled(cores)) {
         Some(mut outputs) => outputs.images.remove(0),
         None => unreachable!("it is wanted"),
     }
@@ -195,7 +195,7 @@ fn picture(cpu: &Cpu, plan: &Plan, cores: Cores) -> Raster {
 
 fn skinned(cpu: &Cpu, posed: Arc<Posed>, queries: Vec<VertexQuery>) -> Vec<SkinnedVertices> {
     let plan = Plan::vertices(posed, Skinning::Linear, Shape::Posed, queries);
-    match cpu.render(&plan, Spread::to_the_end(Cores::One)) {
+    match cpu.render(&plan, Parallelism::uncancelled(Cores::One)) {
         Some(outputs) => outputs.vertices,
         None => unreachable!("it is wanted"),
     }

@@ -8,7 +8,7 @@ use super::{
 use crate::support::shot::Shot;
 use glam::{DVec3, Vec2, Vec4};
 use rigd::render::Plan;
-use rigd::render::cpu::{Cores, Cpu, Spread};
+use rigd::render::cpu::{Cores, Cpu, Parallelism};
 use rigd::rig::{Encoding, Material, Opacity, TexturePlace, Wrap};
 use rigd::scene::{Camera, Cull, LookAt, Near, Samples, Show};
 
@@ -420,8 +420,8 @@ fn what_blends_stops_when_it_is_no_longer_wanted() {
     let plan = many_panes(30_000, [2000, 1000]);
     for cores in [Cores::One, Cores::All] {
         let asked = AtomicUsize::new(0);
-        let is_wanted = || asked.fetch_add(1, Ordering::Relaxed) < 100;
-        let outputs = Cpu::default().render(&plan, Spread::over(cores, &is_wanted));
+        let is_cancelled = || asked.fetch_add(1, Ordering::Relaxed) >= 100;
+        let outputs = Cpu::default().render(&plan, Parallelism::cancellable(cores, &is_cancelled));
         assert!(outputs.is_none());
         // Whoever is told so asks no more.
         let asked = asked.into_inner();

@@ -8,7 +8,7 @@ use glam::{DAffine3, DVec3, Vec2, Vec3};
 use rigd::frame::Outputs;
 use rigd::limits::Limits;
 use rigd::pose::{Pose, Posed, Skinning};
-use rigd::render::cpu::{Cores, Cpu, Spread};
+use rigd::render::cpu::{Cores, Cpu, Parallelism};
 use rigd::render::{Instance, Plan, Skin};
 use rigd::rig::{BindPose, BindingDraft, Draft, JointDraft, MeshDraft, MorphDraft};
 use rigd::scene::{Bounds, Camera, LookAt, Near, Samples, Shape, VertexQuery};
@@ -104,7 +104,7 @@ fn crowd(count: usize) -> Draft {
 }
 
 fn vertices(plan: &Plan) -> Vec<(&'static str, Outputs)> {
-    let own = Cpu::default().render(plan, Spread::to_the_end(Cores::One));
+    let own = Cpu::default().render(plan, Parallelism::uncancelled(Cores::One));
     let by_wgpu = gpu().map(|mut gpu| {
         let in_flight = gpu.submit(&[plan]).expect("room");
         let finished = gpu.finish(in_flight).expect("vertices");

@@ -8,7 +8,7 @@ use rigd::frame::{Outputs, Raster};
 use rigd::limits::Limits;
 use rigd::pose::{Pose, Posed, Skinning};
 use rigd::render::Plan;
-use rigd::render::cpu::{Cores, Cpu, Spread};
+use rigd::render::cpu::{Cores, Cpu, Parallelism};
 use rigd::render::gpu::Gpu;
 use rigd::rig::{
     BindPose, BindingDraft, Draft, Encoding, JointDraft, Material, MeshDraft, PartDraft, Texture,
@@ -184,7 +184,7 @@ pub fn image(outputs: Outputs) -> Image {
 
 /// By rigd's own renderer.
 pub fn own(plan: &Plan, cores: Cores) -> Image {
-    let outputs = Cpu::default().render(plan, Spread::to_the_end(cores));
+    let outputs = Cpu::default().render(plan, Parallelism::uncancelled(cores));
     image(outputs.expect("it is wanted"))
 }
 

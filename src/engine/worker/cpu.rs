@@ -8,7 +8,7 @@ use crate::engine::EngineError;
 use crate::engine::pool::Pool;
 use crate::frame::Outputs;
 use crate::render::Plan;
-use crate::render::cpu::{Cores, Cpu, Skinned, Spread};
+use crate::render::cpu::{Cores, Cpu, Parallelism, Skinned};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -83,13 +83,13 @@ impl Shared {
             Cores::One if skinning_work(&job.plan) < HEAVY => Cores::One,
             _ => Cores::All,
         };
-        let is_wanted = || {
+        let is_cancelled = || {
             // Not what is heavy beside others: each of them would give way to the next one, deeper and deeper.
             self.give_way(alone);
-            job.cancellation.check().is_ok() || self.skins.is_awaited(computation)
+            job.cancellation.check().is_err() && !self.skins.is_awaited(computation)
         };
-        let spread = Spread::over(cores, &is_wanted);
-        let skinned = caught(|| self.cpu.skin(&job.plan, spread)).map(|it| it.map(Arc::new));
+        let parallelism = Parallelism::cancellable(cores, &is_cancelled);
+        let skinned = caught(|| self.cpu.skin(&job.plan, parallelism)).map(|it| it.map(Arc::new));
         let ready = skinned.as_ref().ok().and_then(Option::as_ref);
         for waiting in self.skins.complete(computation, ready) {
             self.spawn(waiting);
@@ -106,8 +106,8 @@ impl Shared {
 
     /// Draws and copies from skinned vertices.
     fn finish(&self, job: Job, started: Instant, skinned: Option<&Skinned>) {
-        let outputs = self.guarded(&job.cancellation, |spread| {
-            self.cpu.outputs(&job.plan, skinned, spread)
+        let outputs = self.guarded(&job.cancellation, |parallelism| {
+            self.cpu.outputs(&job.plan, skinned, parallelism)
         });
         self.answer(job, started, outputs);
     }
@@ -115,14 +115,14 @@ impl Shared {
     fn guarded(
         &self,
         cancellation: &Cancellation,
-        work: impl FnOnce(Spread<'_>) -> Option<Outputs>,
+        work: impl FnOnce(Parallelism<'_>) -> Option<Outputs>,
     ) -> Result<Outputs, EngineError> {
         let cores = self.cores();
-        let is_wanted = || {
+        let is_cancelled = || {
             self.give_way(cores);
-            cancellation.check().is_ok()
+            cancellation.check().is_err()
         };
-        let outputs = caught(|| work(Spread::over(cores, &is_wanted)))?;
+        let outputs = caught(|| work(Parallelism::cancellable(cores, &is_cancelled)))?;
         outputs.ok_or_else(|| unwanted(cancellation))
     }
 

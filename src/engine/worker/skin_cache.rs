@@ -148,7 +148,7 @@ mod tests {
     use crate::engine::{Admission, JobContext};
     use crate::limits::Limits;
     use crate::pose::{Pose, Posed, Skinning};
-    use crate::render::cpu::{Cores, Cpu, Spread};
+    use crate::render::cpu::{Cores, Cpu, Parallelism};
     use crate::rig::{Draft, MeshDraft};
     use crate::scene::{
         Appearance, Background, Bounds, Camera, Orbit, Samples, Scene, Show, ShowSkin, Size,
@@ -225,7 +225,7 @@ mod tests {
             // It failed.
             assert!(cache.complete(&computation, None).is_empty());
         }
-        let skinned = Cpu::default().skin(&first.plan, Spread::to_the_end(Cores::One));
+        let skinned = Cpu::default().skin(&first.plan, Parallelism::uncancelled(Cores::One));
         let skinned = Arc::new(skinned.unwrap());
         assert_eq!(cache.complete(&computation, Some(&skinned)).len(), 2);
         assert!(cache.ready(&skin).is_some());

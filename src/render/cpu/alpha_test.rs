@@ -1,10 +1,10 @@
 //! Surfaces with holes: a triangle is not there in the pixels in whose middle it lets through too much.
 //! Never lives here: which samples it covers.
 
-use super::geometry::Corner;
 use super::interpolate::Plane;
 use super::material::PartMaterial;
-use super::raster::{CoverageTest, Slope};
+use super::raster::CoverageTest;
+use super::triangle::{Corner, Slope};
 use fearless_simd::prelude::*;
 
 /// A triangle of a masked surface, or a piece of one.

@@ -3,36 +3,12 @@
 //! Never lives here: which samples a triangle covers.
 
 use super::geometry::{Geometry, Place};
+use super::grid::{Grid, Rectangle, TILE};
+use super::parallelism::Parallelism;
 use super::project::{Projected, STEPS};
 use super::samples::Pattern;
-use super::spread::Spread;
-use crate::render::cull::Side;
+use super::triangle::side;
 use crate::scene::Size;
-
-/// Pixels of a tile: its samples fit into the second level of a core's cache, with room for the triangles.
-pub(super) const TILE: [u32; 2] = [64, 32];
-
-/// The tiles of a picture.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Grid {
-    pub size: Size,
-    pub columns: u32,
-    pub rows: u32,
-}
-
-impl Grid {
-    pub fn of(size: Size) -> Self {
-        Self {
-            size,
-            columns: size.width.div_ceil(TILE[0]),
-            rows: size.height.div_ceil(TILE[1]),
-        }
-    }
-
-    pub fn tile_count(&self) -> usize {
-        self.columns as usize * self.rows as usize
-    }
-}
 
 /// Triangles that follow each other, as one thread sorted them. Kept from picture to picture.
 #[derive(Default)]
@@ -82,39 +58,7 @@ impl Reaching {
 /// More tiles than this are many.
 const FEW: usize = 8;
 
-/// From the first pixel to the last one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Rectangle {
-    pub min: [u32; 2],
-    pub max: [u32; 2],
-}
-
-impl Rectangle {
-    /// As far as it lies between two pixels; it reaches there.
-    #[inline(always)]
-    pub fn within(self, [left, top]: [u32; 2], [right, bottom]: [u32; 2]) -> Self {
-        Self {
-            min: [self.min[0].max(left), self.min[1].max(top)],
-            max: [self.max[0].min(right), self.max[1].min(bottom)],
-        }
-    }
-
-    pub fn is_empty(self) -> bool {
-        self.min[0] > self.max[0] || self.min[1] > self.max[1]
-    }
-
-    /// The smallest that both lie in.
-    fn and(self, other: Self) -> Self {
-        let both =
-            |a: [u32; 2], b: [u32; 2], of: fn(u32, u32) -> u32| [of(a[0], b[0]), of(a[1], b[1])];
-        Self {
-            min: both(self.min, other.min, u32::min),
-            max: both(self.max, other.max, u32::max),
-        }
-    }
-}
-
-/// Triangles after which to ask whether the picture is still wanted.
+/// Triangles from one check for cancellation to the next.
 const ASK_AFTER: usize = 1 << 16;
 
 impl Chunk {
@@ -125,7 +69,7 @@ impl Chunk {
         range: std::ops::Range<u32>,
         grid: &Grid,
         pattern: Pattern,
-        spread: Spread<'_>,
+        parallelism: Parallelism<'_>,
     ) {
         self.few.clear();
         self.many.clear();
@@ -135,7 +79,7 @@ impl Chunk {
                 surface.end().min(range.end),
             );
             for triangle in start..end {
-                if (triangle as usize).is_multiple_of(ASK_AFTER) && !spread.is_wanted() {
+                if (triangle as usize).is_multiple_of(ASK_AFTER) && parallelism.is_cancelled() {
                     return;
                 }
                 let place = Place {
@@ -291,25 +235,6 @@ pub(super) fn seen(
         Some(side) if Some(side) != place.surface.culled => pixels(corners, grid.size, pattern),
         _ => None,
     }
-}
-
-/// Which side of a triangle is seen; `None` of one that is a line.
-#[inline(always)]
-pub(super) fn side(corners: [Projected; 3]) -> Option<Side> {
-    match doubled_area(corners) {
-        0 => None,
-        // The picture's rows run downward.
-        area if area < 0 => Some(Side::Front),
-        _ => Some(Side::Back),
-    }
-}
-
-/// In squared steps; positive where the corners run clockwise on the picture.
-#[inline(always)]
-pub(super) fn doubled_area([a, b, c]: [Projected; 3]) -> i64 {
-    let (bx, by) = (i64::from(b.x - a.x), i64::from(b.y - a.y));
-    let (cx, cy) = (i64::from(c.x - a.x), i64::from(c.y - a.y));
-    bx * cy - cx * by
 }
 
 /// Whose samples may lie in a triangle; `None` where there is no such sample.

@@ -1,8 +1,8 @@
 //! Triangles that reach before the near plane or far out of the picture, cut down to what fixed point holds (Sutherland and Hodgman,
 //! "Reentrant polygon clipping", 1974). Few are; most are drawn as they are.
 
-use super::geometry::Corner;
 use super::project::{GUARD, Projection};
+use super::triangle::Corner;
 
 /// A corner that need not fall anywhere.
 #[derive(Debug, Clone, Copy)]

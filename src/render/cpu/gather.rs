@@ -1,21 +1,21 @@
 //! From samples to fragments: what each pixel of a block shows, once for each triangle, ready to be shaded.
 //! Never lives here: light.
 
-use super::bin::side;
+use super::context::PictureContext;
 use super::geometry::Paint;
 use super::interpolate::Planes;
 use super::material::{MaterialTriangle, Texcoords};
 use super::samples::{BLOCK, EIGHTHS, NONE};
 use super::shade::{Fragment, Fragments, MaterialSample};
 use super::texture;
-use super::tile::Picturing;
+use super::triangle::side;
 use crate::render::cull::Side;
 use crate::rig::Texture;
 use fearless_simd::prelude::*;
 
 /// From samples to fragments.
 pub(super) struct Gather<'a> {
-    pub picture: &'a Picturing<'a>,
+    pub picture: &'a PictureContext<'a>,
     /// The picture's pixel at the block's upper left corner.
     pub at: [u32; 2],
     drawn: &'a mut [Drawn],
@@ -45,7 +45,7 @@ impl Triangles {
     #[inline(always)]
     pub fn gather<'a>(
         &'a mut self,
-        picture: &'a Picturing<'a>,
+        picture: &'a PictureContext<'a>,
         at: [u32; 2],
         fragments: &'a mut Fragments,
     ) -> Gather<'a> {

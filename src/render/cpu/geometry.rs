@@ -5,6 +5,8 @@ use super::clip::{Unplaced, clip};
 use super::instance::DrawnInstance;
 use super::material::PartMaterial;
 use super::project::Projected;
+use super::samples::Layer;
+use super::triangle::Corner;
 use crate::render::cull::Side;
 use crate::render::{Segment, SolidVertex};
 use crate::rig::{Mesh, Part, Rig, Texture};
@@ -43,15 +45,6 @@ pub(super) enum Paint<'a> {
     Material(u32),
 }
 
-/// What a sample is kept in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) enum Layer {
-    #[default]
-    Base,
-    /// A translucent skin, laid over the base at the end.
-    Skin,
-}
-
 /// Everything that is drawn, projected.
 #[derive(Clone, Copy)]
 pub(super) struct Geometry<'a> {
@@ -66,18 +59,6 @@ pub(super) struct Geometry<'a> {
     pub projected: &'a [Projected],
     /// Of the vertices of lines.
     pub line_corners: &'a [[f32; 4]],
-}
-
-/// A vertex of a triangle with all that is interpolated over it.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Corner {
-    pub projected: Projected,
-    /// Position and normal are in world space.
-    pub position: [f32; 3],
-    pub normal: [f32; 3],
-    pub texcoord: [f32; 2],
-    /// Linear RGB and opacity.
-    pub color: [f32; 4],
 }
 
 /// Where a triangle's surface is, and which of its triangles it is.

@@ -1,8 +1,7 @@
 //! What a triangle has at its corners, anywhere on it. Divided by w, everything is linear over the picture; so is 1 / w, by which it is
 //! divided again (Heckbert and Moreton, "Interpolation for polygon texture mapping and shading", 1991). Four numbers go together.
 
-use super::geometry::Corner;
-use super::raster::Slope;
+use super::triangle::{Corner, Slope};
 use crate::render::cull::Side;
 use fearless_simd::f32x4;
 use fearless_simd::prelude::*;

@@ -1,10 +1,9 @@
 //! Parts of meshes whose material has parameters of its own: what it is at a pixel. The twin of `shaders/material.wgsl`. Never lives here: light.
 
-use super::geometry::Corner;
 use super::interpolate::{Plane, Planes};
-use super::raster::Slope;
 use super::shade::{Fragment, MaterialSample};
 use super::texture;
+use super::triangle::{Corner, Slope};
 use crate::render::instance_params::InstanceParams;
 use crate::render::material_params::MaterialParams;
 use crate::rig::{Material, Mesh, Part, Rig, TexturePlace};
@@ -281,7 +280,7 @@ fn saturate(number: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::super::tests::levels;
-    use super::super::{Cores, Cpu, Spread};
+    use super::super::{Cores, Cpu, Parallelism};
     use crate::limits::Limits;
     use crate::pose::{Pose, Posed, Skinning};
     use crate::random::Random;
@@ -397,7 +396,7 @@ mod tests {
     fn materials_are_the_same_on_every_vector_unit() {
         for samples in [Samples::One, Samples::Four] {
             let plan = tangle(samples);
-            let draw = |cpu: Cpu| cpu.render(&plan, Spread::to_the_end(Cores::One));
+            let draw = |cpu: Cpu| cpu.render(&plan, Parallelism::uncancelled(Cores::One));
             let wanted = draw(Cpu::default());
             assert!(wanted.is_some());
             for level in levels() {

@@ -3,52 +3,57 @@
 
 mod alpha_test;
 mod bin;
+mod block;
 mod clip;
+mod context;
 mod gather;
 mod geometry;
+mod grid;
 mod instance;
 mod interpolate;
 mod lanes;
 mod lines;
 mod material;
 mod overlay;
+mod parallelism;
 mod picture;
 mod project;
 mod raster;
 mod resolve;
-mod room;
 mod samples;
+mod scratch;
 mod shade;
 mod skin;
 mod skinned;
-mod spread;
 mod texture;
 mod tile;
+mod triangle;
 
+pub use parallelism::{Cores, Parallelism};
 pub use skin::skin_mesh;
 pub use skinned::Skinned;
-pub use spread::{Cores, Spread};
 
 use super::{AdapterInfo, AdapterKind, Capabilities, Plan, Skin};
 use crate::frame::{ImageKind, Outputs, Pooled, SkinnedVertices, Spare};
 use crate::rig::Mesh;
 use crate::scene::VertexQuery;
 use fearless_simd::Level;
-use room::{Room, Rooms};
+use picture::PictureScratch;
+use scratch::ScratchPool;
 use skin::SkinJob;
 use skinned::Vertices;
 use std::sync::Arc;
-use tile::TileRoom;
+use tile::TileScratch;
 
 /// Vertices or triangles that one core takes at a time.
 const PORTION: usize = 4096;
 
-/// A renderer. Any number of threads may use it at a time; what it keeps is room to work in.
+/// A renderer. Any number of threads may use it at a time; what it keeps is scratch memory.
 pub struct Cpu {
     level: Level,
-    skins: Arc<Rooms<Vertices>>,
-    rooms: Arc<Rooms<Room>>,
-    tile_rooms: Arc<Rooms<TileRoom>>,
+    skins: Arc<ScratchPool<Vertices>>,
+    pictures: Arc<ScratchPool<PictureScratch>>,
+    tiles: Arc<ScratchPool<TileScratch>>,
     bytes: Arc<Spare<u8>>,
     numbers: Arc<Spare<f32>>,
 }
@@ -65,8 +70,8 @@ impl Cpu {
         Self {
             level,
             skins: Arc::default(),
-            rooms: Arc::default(),
-            tile_rooms: Arc::default(),
+            pictures: Arc::default(),
+            tiles: Arc::default(),
             bytes: Arc::default(),
             numbers: Arc::default(),
         }
@@ -95,28 +100,28 @@ impl Cpu {
         }
     }
 
-    /// `None` where it was no longer wanted.
-    pub fn render(&self, plan: &Plan, spread: Spread<'_>) -> Option<Outputs> {
+    /// `None` where it was cancelled.
+    pub fn render(&self, plan: &Plan, parallelism: Parallelism<'_>) -> Option<Outputs> {
         let skinned = match plan.image {
-            Some(_) => Some(self.skin(plan, spread)?),
+            Some(_) => Some(self.skin(plan, parallelism)?),
             None => None,
         };
-        self.outputs(plan, skinned.as_ref(), spread)
+        self.outputs(plan, skinned.as_ref(), parallelism)
     }
 
     /// Of a plan with a picture, `skinned` are at least the skins that this [shows](Plan::drawn). Queries read them too, as far as they
-    /// ask for the same skins. `None` where it was no longer wanted.
+    /// ask for the same skins. `None` where it was cancelled.
     pub fn outputs(
         &self,
         plan: &Plan,
         skinned: Option<&Skinned>,
-        spread: Spread<'_>,
+        parallelism: Parallelism<'_>,
     ) -> Option<Outputs> {
         let mut outputs = Outputs::default();
         if let (Some(image), Some(skinned)) = (&plan.image, skinned) {
             for kind in &image.outputs {
                 outputs.images.push(match kind {
-                    ImageKind::Color => self.color(plan, &image.scene, skinned, spread)?,
+                    ImageKind::Color => self.color(plan, &image.scene, skinned, parallelism)?,
                 });
             }
         }
@@ -124,9 +129,9 @@ impl Cpu {
             let skin = plan.instances[query.instance].skin();
             outputs
                 .vertices
-                .push(self.vertices(skin, query, skinned, spread));
+                .push(self.vertices(skin, query, skinned, parallelism));
         }
-        spread.is_wanted().then_some(outputs)
+        (!parallelism.is_cancelled()).then_some(outputs)
     }
 
     fn vertices(
@@ -134,7 +139,7 @@ impl Cpu {
         skin: &Skin,
         query: &VertexQuery,
         skinned: Option<&Skinned>,
-        spread: Spread<'_>,
+        parallelism: Parallelism<'_>,
     ) -> SkinnedVertices {
         let kept = skinned.and_then(|skinned| {
             let vertices = skinned.vertices();
@@ -154,7 +159,7 @@ impl Cpu {
                 query.positions.then(|| copied(positions)),
                 query.normals.then(|| copied(normals)),
             ),
-            None => self.skin_query(skin, query, spread),
+            None => self.skin_query(skin, query, parallelism),
         };
         SkinnedVertices {
             vertex_count: query.count,
@@ -168,7 +173,7 @@ impl Cpu {
         &self,
         skin: &Skin,
         query: &VertexQuery,
-        spread: Spread<'_>,
+        parallelism: Parallelism<'_>,
     ) -> (Option<Pooled<f32>>, Option<Pooled<f32>>) {
         let mut positions = self.numbers.take(3 * query.count);
         let mut normals = query.normals.then(|| self.numbers.take(3 * query.count));
@@ -177,7 +182,7 @@ impl Cpu {
             query.start,
             bytemuck::cast_slice_mut(&mut positions),
             normals.as_deref_mut().map(bytemuck::cast_slice_mut),
-            spread,
+            parallelism,
         );
         (query.positions.then_some(positions), normals)
     }
@@ -188,12 +193,12 @@ impl Cpu {
         first: usize,
         positions: &mut [[f32; 3]],
         normals: Option<&mut [[f32; 3]]>,
-        spread: Spread<'_>,
+        parallelism: Parallelism<'_>,
     ) {
         let start = |index: usize| first + index * PORTION;
         match normals {
             Some(normals) => {
-                spread.pairs_of_portions(
+                parallelism.pairs_of_portions(
                     positions,
                     normals,
                     PORTION,
@@ -202,7 +207,7 @@ impl Cpu {
                     },
                 );
             }
-            None => spread.portions(positions, PORTION, |index, positions| {
+            None => parallelism.portions(positions, PORTION, |index, positions| {
                 job.run(self.level, start(index), positions, None);
             }),
         }
@@ -211,8 +216,8 @@ impl Cpu {
     /// Lets go of memory that is kept for pictures to come.
     pub fn sweep(&self) {
         self.skins.clear();
-        self.rooms.clear();
-        self.tile_rooms.clear();
+        self.pictures.clear();
+        self.tiles.clear();
     }
 }
 

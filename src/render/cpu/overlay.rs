@@ -1,22 +1,24 @@
 //! What of a tile blends, one surface after another laid over the base, sample by sample. Never lives here: which samples a triangle
 //! covers, and light.
 
+use super::block::shade_shown;
+use super::context::{PictureContext, TileCanvas};
 use super::gather::{Drawn, Triangles};
-use super::geometry::{Layer, Place};
+use super::geometry::Place;
 use super::project::Projected;
 use super::raster::{self, Opaque, Target};
 use super::samples::{
-    BLOCK, BLOCK_COLUMNS, BLOCK_PIXELS, BLOCKS, EIGHTHS, GROUP, NONE, TileSamples,
+    BLOCK, BLOCK_COLUMNS, BLOCK_PIXELS, BLOCKS, EIGHTHS, GROUP, Layer, NONE, TileSamples,
 };
 use super::shade::{Fragments, shade};
-use super::tile::{Canvas, Picturing, shade_shown};
+
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x4, f32x8, mask32x8};
 
 /// The most that are gathered before they are shaded: a few times what one triangle has of a tile, and the work of about a millisecond,
 /// however many there are.
 const MOST_HITS: usize = 1 << 13;
-/// Triangles after which to ask whether the picture is still wanted: most may be hidden.
+/// Triangles from one check for cancellation to the next: most may be hidden.
 const ASK_AFTER: u32 = 1 << 12;
 
 /// Kept from tile to tile.
@@ -44,7 +46,7 @@ struct Hit {
     number: u32,
 }
 
-/// The base of a tile, and room to shade it in.
+/// The base of a tile, and the scratch memory to shade it in.
 pub(super) struct Under<'a> {
     pub samples: &'a mut TileSamples,
     pub triangles: &'a mut Triangles,
@@ -57,14 +59,14 @@ impl Overlay {
     pub fn draw<S: Simd>(
         &mut self,
         simd: S,
-        picture: &Picturing<'_>,
+        picture: &PictureContext<'_>,
         [column, row]: [u32; 2],
         mut under: Under<'_>,
     ) {
         self.is_open = [false; BLOCKS];
         self.hits.clear();
         self.triangles.clear();
-        let canvas = Canvas::of(simd, picture, [column, row]);
+        let canvas = TileCanvas::of(simd, picture, [column, row]);
         let corner = canvas.tile.min;
         let geometry = &picture.geometry;
         let mut met = 0u32;
@@ -72,7 +74,7 @@ impl Overlay {
             let of_tile = chunk.of_tile([column, row], &picture.grid);
             for triangle in of_tile.from(geometry.first_blending) {
                 met = met.wrapping_add(1);
-                if met.is_multiple_of(ASK_AFTER) && !picture.spread.is_wanted() {
+                if met.is_multiple_of(ASK_AFTER) && picture.parallelism.is_cancelled() {
                     return;
                 }
                 let place = geometry.place(triangle);
@@ -85,7 +87,7 @@ impl Overlay {
                 for (piece, corners) in (0..).zip(whole.into_iter().chain(pieces)) {
                     if self.is_full() {
                         self.lay(simd, picture, corner, &mut under);
-                        if !picture.spread.is_wanted() {
+                        if picture.parallelism.is_cancelled() {
                             return;
                         }
                     }
@@ -117,7 +119,7 @@ impl Overlay {
     fn record<S: Simd>(
         &mut self,
         simd: S,
-        canvas: &Canvas<'_, S>,
+        canvas: &TileCanvas<'_, S>,
         samples: &mut TileSamples,
         place: Place<'_>,
         drawn: Drawn,
@@ -126,7 +128,7 @@ impl Overlay {
         simd.vectorize(
             #[inline(always)]
             || {
-                let Canvas {
+                let TileCanvas {
                     picture,
                     footprint,
                     tile,
@@ -155,7 +157,7 @@ impl Overlay {
     fn lay<S: Simd>(
         &mut self,
         simd: S,
-        picture: &Picturing<'_>,
+        picture: &PictureContext<'_>,
         corner: [u32; 2],
         under: &mut Under<'_>,
     ) {
@@ -210,7 +212,7 @@ impl Overlay {
     fn open<S: Simd>(
         &mut self,
         simd: S,
-        picture: &Picturing<'_>,
+        picture: &PictureContext<'_>,
         block: usize,
         corner: [u32; 2],
         under: &mut Under<'_>,

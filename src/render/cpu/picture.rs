@@ -1,21 +1,21 @@
 //! A picture from plan to pixels, stage after stage. Never lives here: how a stage does its work.
 
-use super::bin::{Chunk, Grid, TILE};
-use super::geometry::{Geometry, Layer, Paint, Surface};
+use super::bin::Chunk;
+use super::context::PictureContext;
+use super::geometry::{Geometry, Paint, Surface};
+use super::grid::{Grid, TILE};
 use super::instance::DrawnInstance;
 use super::lines;
 use super::material::PartMaterial;
 use super::project::{Projected, Projection};
 use super::resolve::Resolve;
-use super::room::Room;
-use super::samples::Pattern;
+use super::samples::{Layer, Pattern};
 use super::skinned::{Skinned, Vertices, meshes};
-use super::tile::Picturing;
-use super::{Cpu, PORTION, Spread};
+use super::{Cpu, PORTION, Parallelism};
 use crate::frame::{ImageKind, Raster};
 use crate::render::cull::{self, Culling};
 use crate::render::instance_params::InstanceParams;
-use crate::render::order::blending_parts;
+use crate::render::order::{PartPlace, blending_parts};
 use crate::render::view::View;
 use crate::render::{Instance, Plan, SkeletonView};
 use crate::rig::{Mesh, Opacity, Part};
@@ -40,14 +40,31 @@ pub(super) struct SolidVertices {
     normals: Vec<[f32; 3]>,
 }
 
+/// What one picture needs until it is drawn.
+#[derive(Default)]
+pub(super) struct PictureScratch {
+    instances: Vec<DrawnInstance>,
+    solids: SolidVertices,
+    projected: Vec<Projected>,
+    line_corners: Vec<[f32; 4]>,
+    line_triangles: Vec<[u32; 3]>,
+    chunks: Vec<Chunk>,
+    /// Empty between pictures, as the next two.
+    surfaces: Vec<Surface<'static>>,
+    materials: Vec<PartMaterial<'static>>,
+    meshes: Vec<SkinMesh<'static>>,
+    /// Parts that blend, in their order.
+    blending: Vec<(f64, PartPlace)>,
+}
+
 impl Cpu {
-    /// The color picture of `plan`. `skinned` are at least the skins that it [shows](Plan::drawn). `None` where it was no longer wanted.
+    /// The color picture of `plan`. `skinned` are at least the skins that it [shows](Plan::drawn). `None` where it was cancelled.
     pub(super) fn color(
         &self,
         plan: &Plan,
         scene: &Scene,
         skinned: &Skinned,
-        spread: Spread<'_>,
+        parallelism: Parallelism<'_>,
     ) -> Option<Raster> {
         let subject = Subject {
             plan,
@@ -55,16 +72,16 @@ impl Cpu {
             skin: skinned.vertices(),
         };
         let view = View::of(scene);
-        let mut room = self.rooms.take();
-        self.place(subject, &mut room, spread);
-        let first = room.instances.first();
+        let mut scratch = self.pictures.take();
+        self.place(subject, &mut scratch, parallelism);
+        let first = scratch.instances.first();
         let plain = first.map_or_else(InstanceParams::zeroed, |first| first.params);
-        let mut chunks = std::mem::take(&mut room.chunks);
-        blending_parts(plan, &mut room.blending);
+        let mut chunks = std::mem::take(&mut scratch.chunks);
+        blending_parts(plan, &mut scratch.blending);
         let lists = Lists {
-            surfaces: emptied(std::mem::take(&mut room.surfaces)),
-            materials: emptied(std::mem::take(&mut room.materials)),
-            meshes: emptied(std::mem::take(&mut room.meshes)),
+            surfaces: emptied(std::mem::take(&mut scratch.surfaces)),
+            materials: emptied(std::mem::take(&mut scratch.materials)),
+            meshes: emptied(std::mem::take(&mut scratch.meshes)),
             first_blending: 0,
         };
         let Lists {
@@ -72,67 +89,73 @@ impl Cpu {
             materials,
             meshes,
             first_blending,
-        } = lists.filled(subject, &room);
+        } = lists.filled(subject, &scratch);
         let geometry = Geometry {
-            instances: &room.instances,
+            instances: &scratch.instances,
             surfaces: &surfaces,
             first_blending,
             materials: &materials,
-            projected: &room.projected,
-            line_corners: &room.line_corners,
+            projected: &scratch.projected,
+            line_corners: &scratch.line_corners,
         };
 
         let (grid, pattern) = (Grid::of(scene.size), Pattern::of(scene.samples));
         let triangles = geometry.triangle_count();
-        let portions = spread.count(triangles, PORTION);
+        let portions = parallelism.count(triangles, PORTION);
         if chunks.len() < portions {
             chunks.resize_with(portions, Chunk::default);
         }
         let portion = triangles.div_ceil(portions) as u32;
-        spread.portions(&mut chunks[..portions], 1, |index, chunk| {
+        parallelism.portions(&mut chunks[..portions], 1, |index, chunk| {
             let start = index as u32 * portion;
             let range = start..start + portion;
-            chunk[0].fill(&geometry, range, &grid, pattern, spread);
+            chunk[0].fill(&geometry, range, &grid, pattern, parallelism);
         });
 
-        let picturing = Picturing {
+        let context = PictureContext {
             geometry,
             chunks: &chunks[..portions],
             grid,
             pattern,
             view: &view,
             plain: &plain,
-            has_materials: !materials.is_empty() || !are_lit_alike(&room.instances),
+            has_materials: !materials.is_empty() || !are_lit_alike(&scratch.instances),
             resolve: Resolve {
                 background: scene.background.premultiplied().to_array(),
                 sample_count: pattern.count(),
                 opacity: layer_opacity(plan),
             },
             has_skin_layer: plan.is_translucent(),
-            spread,
+            parallelism,
         };
         // Otherwise not everything was sorted.
-        let color = spread.is_wanted().then(|| self.paint(&picturing, spread));
+        let color = (!parallelism.is_cancelled()).then(|| self.paint(&context, parallelism));
         let (surfaces, materials) = (emptied(surfaces), emptied(materials));
-        (room.surfaces, room.materials, room.meshes) = (surfaces, materials, emptied(meshes));
-        room.chunks = chunks;
-        color.filter(|_| spread.is_wanted())
+        (scratch.surfaces, scratch.materials, scratch.meshes) =
+            (surfaces, materials, emptied(meshes));
+        scratch.chunks = chunks;
+        color.filter(|_| !parallelism.is_cancelled())
     }
 
     /// Every vertex onto the picture: of skins, of solids, of lines.
-    fn place(&self, subject: Subject<'_>, room: &mut Room, spread: Spread<'_>) {
-        room.lay_out(subject);
-        let Room {
+    fn place(
+        &self,
+        subject: Subject<'_>,
+        scratch: &mut PictureScratch,
+        parallelism: Parallelism<'_>,
+    ) {
+        scratch.lay_out(subject);
+        let PictureScratch {
             instances,
             solids,
             projected,
             line_corners,
             ..
-        } = room;
+        } = scratch;
         let mut rest = projected.as_mut_slice();
         let mut project = |projection: &Projection, positions: &[[f32; 3]]| {
             let (own, others) = std::mem::take(&mut rest).split_at_mut(positions.len());
-            spread.portions(own, PORTION, |index, projected| {
+            parallelism.portions(own, PORTION, |index, projected| {
                 let own = &positions[index * PORTION..][..projected.len()];
                 projection.project(self.level, own, projected);
             });
@@ -161,23 +184,23 @@ impl Cpu {
     }
 
     /// Tile by tile.
-    fn paint(&self, picturing: &Picturing<'_>, spread: Spread<'_>) -> Raster {
-        let Grid { size, columns, .. } = picturing.grid;
+    fn paint(&self, context: &PictureContext<'_>, parallelism: Parallelism<'_>) -> Raster {
+        let Grid { size, columns, .. } = context.grid;
         let kind = ImageKind::Color;
         let mut bytes = self.bytes.take(kind.bytes(size));
         let band_bytes = 4 * size.width as usize * TILE[1] as usize;
-        spread.portions(&mut bytes, band_bytes, |row, band| {
-            let mut room = self.tile_rooms.take();
-            for column in (0..columns).take_while(|_| spread.is_wanted()) {
+        parallelism.portions(&mut bytes, band_bytes, |row, band| {
+            let mut tile = self.tiles.take();
+            for column in (0..columns).take_while(|_| !parallelism.is_cancelled()) {
                 let at = [column, row as u32];
-                dispatch!(self.level, simd => room.draw(simd, picturing, at, band));
+                dispatch!(self.level, simd => tile.draw(simd, context, at, band));
             }
         });
         Raster { kind, size, bytes }
     }
 }
 
-impl Room {
+impl PictureScratch {
     /// Says where the vertices of each instance stand, and lays out those of skeletons.
     fn lay_out(&mut self, subject: Subject<'_>) {
         let Subject { plan, scene, skin } = subject;
@@ -259,9 +282,9 @@ pub(super) struct SkinMesh<'a> {
 
 impl<'a> Lists<'a> {
     /// Skeletons first, then skins: what blends last, in its order.
-    fn filled(mut self, subject: Subject<'a>, room: &'a Room) -> Self {
-        self.add_skeletons(subject, room);
-        self.find_meshes(subject, &room.instances);
+    fn filled(mut self, subject: Subject<'a>, scratch: &'a PictureScratch) -> Self {
+        self.add_skeletons(subject, scratch);
+        self.find_meshes(subject, &scratch.instances);
         for index in 0..self.meshes.len() {
             let SkinMesh { instance, mesh, .. } = self.meshes[index];
             let is_translucent = instance.is_translucent();
@@ -280,7 +303,7 @@ impl<'a> Lists<'a> {
             }
         }
         self.first_blending = self.surfaces.last().map_or(0, Surface::end);
-        for (_, place) in &room.blending {
+        for (_, place) in &scratch.blending {
             let wanted = [place.instance, place.mesh];
             if let Ok(index) = self.meshes.binary_search_by_key(&wanted, |mesh| mesh.at) {
                 let part = &self.meshes[index].mesh.parts()[place.part];
@@ -290,21 +313,21 @@ impl<'a> Lists<'a> {
         self
     }
 
-    fn add_skeletons(&mut self, subject: Subject<'a>, room: &'a Room) {
-        let solids = &room.solids;
-        let first_line = (room.projected.len() - room.line_corners.len()) as u32;
+    fn add_skeletons(&mut self, subject: Subject<'a>, scratch: &'a PictureScratch) {
+        let solids = &scratch.solids;
+        let first_line = (scratch.projected.len() - scratch.line_corners.len()) as u32;
         let first_solid = first_line - solids.positions.len() as u32;
         for (index, (instance, drawn)) in subject
             .plan
             .instances
             .iter()
-            .zip(&room.instances)
+            .zip(&scratch.instances)
             .enumerate()
         {
             let skeleton = instance.skeleton();
             let instance = index as u32;
             self.add(Surface {
-                triangles: &room.line_triangles[lines::triangles(&drawn.lines)],
+                triangles: &scratch.line_triangles[lines::triangles(&drawn.lines)],
                 instance,
                 positions: &[],
                 normals: &[],

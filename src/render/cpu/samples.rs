@@ -1,7 +1,6 @@
 //! Where a pixel is sampled, and the samples of one tile: how near, and of which triangle. Never lives here: what covers them.
 
-use super::bin::TILE;
-use super::geometry::Layer;
+use super::grid::TILE;
 use crate::scene::Samples;
 
 /// Pixels of a block's side. A tile is made of blocks, whose samples lie one behind the other.
@@ -63,6 +62,15 @@ impl Pattern {
             Samples::Four => (STEPS_IN_EIGHTH, eighth + 1),
         }
     }
+}
+
+/// What a sample is kept in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Layer {
+    #[default]
+    Base,
+    /// A translucent skin, laid over the base at the end.
+    Skin,
 }
 
 /// Nothing was drawn over a sample.

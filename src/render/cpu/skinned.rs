@@ -1,14 +1,14 @@
 //! Skinned vertices, to be drawn and copied from any number of times. Never lives here: how a vertex is skinned.
 
-use super::room::Lent;
+use super::scratch::Scratch;
 use super::skin::SkinJob;
-use super::{Cpu, Spread};
+use super::{Cpu, Parallelism};
 use crate::render::{Plan, Skin};
 use crate::rig::Mesh;
 use std::ops::Range;
 
 /// Every draw vertex of some skins, in model space. Its memory goes back to the renderer.
-pub struct Skinned(Lent<Vertices>);
+pub struct Skinned(Scratch<Vertices>);
 
 /// Of all meshes of all skins, one after another.
 #[derive(Default)]
@@ -47,8 +47,8 @@ impl Vertices {
 }
 
 impl Cpu {
-    /// The skins that the picture of a plan shows, each distinct one once. `None` where it was no longer wanted.
-    pub fn skin(&self, plan: &Plan, spread: Spread<'_>) -> Option<Skinned> {
+    /// The skins that the picture of a plan shows, each distinct one once. `None` where it was cancelled.
+    pub fn skin(&self, plan: &Plan, parallelism: Parallelism<'_>) -> Option<Skinned> {
         let mut skinned = Skinned(self.skins.take());
         let Vertices {
             positions,
@@ -73,11 +73,11 @@ impl Cpu {
                     0,
                     &mut positions[own.clone()],
                     Some(&mut normals[own]),
-                    spread,
+                    parallelism,
                 );
             }
         }
-        spread.is_wanted().then_some(skinned)
+        (!parallelism.is_cancelled()).then_some(skinned)
     }
 }
 

@@ -1,13 +1,14 @@
 //! The rasteriser against one that looks at every sample of every pixel in exact integers, and the same picture by every vector unit.
 
-use super::bin::{Grid, Rectangle, TILE, pixels};
-use super::geometry::Layer;
+use super::bin::pixels;
+use super::grid::{Grid, Rectangle, TILE};
 use super::project::{Projected, STEPS};
 use super::raster::{Footprint, Mark, Nearest, Opaque, draw};
+use super::samples::Layer;
 use super::samples::{
     BLOCK, BLOCK_COLUMNS, BLOCK_PIXELS, NONE, Pattern, STEPS_IN_EIGHTH, TileSamples,
 };
-use super::{Cores, Cpu, Spread};
+use super::{Cores, Cpu, Parallelism};
 use crate::frame::Outputs;
 use crate::limits::Limits;
 use crate::pose::{Pose, Posed, Skinning};
@@ -86,7 +87,7 @@ fn drawn(level: Level, corners: [Projected; 3], pattern: Pattern) -> BTreeSet<Hi
     tile.clear(pattern);
     let [width, height] = TILE;
     let reached = pixels(corners, Size { width, height }, pattern);
-    if let Some(reached) = reached.filter(|_| super::bin::side(corners).is_some()) {
+    if let Some(reached) = reached.filter(|_| super::triangle::side(corners).is_some()) {
         let reached = Rectangle {
             min: reached.min,
             max: reached.max,
@@ -392,11 +393,11 @@ fn every_vector_unit_and_any_number_of_threads_come_to_the_same_bytes() {
     }
     for (index, plan) in plans.iter().enumerate() {
         let wanted: Option<Outputs> =
-            Cpu::with(Level::new()).render(plan, Spread::to_the_end(Cores::One));
+            Cpu::with(Level::new()).render(plan, Parallelism::uncancelled(Cores::One));
         for level in levels() {
             let cpu = Cpu::with(level);
             assert!(
-                cpu.render(plan, Spread::to_the_end(Cores::One)) == wanted,
+                cpu.render(plan, Parallelism::uncancelled(Cores::One)) == wanted,
                 "plan {index}, {level:?}"
             );
             for threads in [1, 2, 3, 7] {
@@ -404,7 +405,7 @@ fn every_vector_unit_and_any_number_of_threads_come_to_the_same_bytes() {
                     .num_threads(threads)
                     .build()
                     .unwrap();
-                let found = pool.install(|| cpu.render(plan, Spread::to_the_end(Cores::All)));
+                let found = pool.install(|| cpu.render(plan, Parallelism::uncancelled(Cores::All)));
                 assert!(
                     found == wanted,
                     "plan {index}, {level:?}, {threads} threads"
@@ -430,8 +431,8 @@ fn what_was_drawn_before_does_not_show() {
     let used = Cpu::default();
     for _ in 0..3 {
         for plan in &plans {
-            let fresh = Cpu::default().render(plan, Spread::to_the_end(Cores::One));
-            assert!(used.render(plan, Spread::to_the_end(Cores::One)) == fresh);
+            let fresh = Cpu::default().render(plan, Parallelism::uncancelled(Cores::One));
+            assert!(used.render(plan, Parallelism::uncancelled(Cores::One)) == fresh);
         }
     }
 }
@@ -494,7 +495,7 @@ fn the_order_of_triangles_does_not_matter() {
     // More than a tile keeps; and such as reach many tiles and hide whole blocks.
     for (count, largest, width, height) in [(150_000, 0.1, 64, 32), (3000, 3.0, 640, 480)] {
         let triangles = stacked(&mut Random(5), count, largest);
-        let draw = |plan: Plan| Cpu::default().render(&plan, Spread::to_the_end(Cores::One));
+        let draw = |plan: Plan| Cpu::default().render(&plan, Parallelism::uncancelled(Cores::One));
         let back_to_front = draw(seen_flat(triangles.iter(), width, height));
         let front_to_back = draw(seen_flat(triangles.iter().rev(), width, height));
         assert!(back_to_front.is_some());
@@ -510,7 +511,7 @@ fn of_two_that_are_equally_near_the_first_one_shows() {
     let large = triangle(0.5, Vec3::new(0.6, 0.0, 0.8));
     let draw = |lit: [Lit; 2]| {
         let plan = seen_flat(lit.iter(), 640, 480);
-        Cpu::default().render(&plan, Spread::to_the_end(Cores::One))
+        Cpu::default().render(&plan, Parallelism::uncancelled(Cores::One))
     };
     let (small_first, large_first) = (draw([small, large]), draw([large, small]));
     assert!(small_first != large_first);
@@ -518,26 +519,26 @@ fn of_two_that_are_equally_near_the_first_one_shows() {
 }
 
 #[test]
-fn a_picture_that_is_no_longer_wanted_is_not_drawn_on() {
+fn a_cancelled_picture_is_not_drawn_on() {
     let plan = seen_flat(stacked(&mut Random(7), 20_000, 0.1).iter(), 640, 480);
     let cpu = Cpu::default();
-    let whole = cpu.render(&plan, Spread::to_the_end(Cores::One));
+    let whole = cpu.render(&plan, Parallelism::uncancelled(Cores::One));
     let asked_of_all = {
         let asked = AtomicUsize::new(0);
-        let count = || asked.fetch_add(1, Ordering::Relaxed) < usize::MAX;
-        assert!(cpu.render(&plan, Spread::over(Cores::One, &count)) == whole);
+        let count = || asked.fetch_add(1, Ordering::Relaxed) == usize::MAX;
+        assert!(cpu.render(&plan, Parallelism::cancellable(Cores::One, &count)) == whole);
         asked.into_inner()
     };
     // Of every stage at least.
     assert!(asked_of_all > 100, "{asked_of_all}");
     for last in (0..asked_of_all).step_by(7) {
         let asked = AtomicUsize::new(0);
-        let is_wanted = || asked.fetch_add(1, Ordering::Relaxed) < last;
+        let is_cancelled = || asked.fetch_add(1, Ordering::Relaxed) >= last;
         assert!(
-            cpu.render(&plan, Spread::over(Cores::One, &is_wanted))
+            cpu.render(&plan, Parallelism::cancellable(Cores::One, &is_cancelled))
                 .is_none()
         );
         assert!(asked.into_inner() < last + 50, "it went on from {last}");
     }
-    assert!(cpu.render(&plan, Spread::to_the_end(Cores::All)) == whole);
+    assert!(cpu.render(&plan, Parallelism::uncancelled(Cores::All)) == whole);
 }

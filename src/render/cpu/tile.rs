@@ -2,44 +2,29 @@
 //! Never lives here: the stages themselves.
 
 use super::alpha_test::AlphaTest;
-use super::bin::{Chunk, Grid, Rectangle, TILE, seen};
-use super::gather::{Drawn, Gather, Triangles};
-use super::geometry::{Corner, Geometry, Layer, Paint, Place};
+use super::bin::seen;
+use super::block::shade_shown;
+use super::context::{PictureContext, TileCanvas};
+use super::gather::{Drawn, Triangles};
+use super::geometry::{Geometry, Paint, Place};
+use super::grid::TILE;
 use super::lanes::LANES;
 use super::material::PartMaterial;
 use super::overlay::{Overlay, Under};
 use super::project::Projected;
-use super::raster::{self, CoverageTest, Footprint, Mark, Nearest, Opaque};
-use super::resolve::{Resolve, Sums};
-use super::samples::{BLOCK, BLOCK_COLUMNS, BLOCK_PIXELS, NONE, Pattern, TileSamples};
-use super::shade::{Fragments, shade};
-use super::spread::Spread;
-use crate::render::instance_params::InstanceParams;
-use crate::render::view::View;
+use super::raster::{self, CoverageTest, Mark, Nearest, Opaque};
+use super::resolve::Sums;
+use super::samples::{BLOCK, BLOCK_COLUMNS, BLOCK_PIXELS, Layer, NONE, TileSamples};
+use super::shade::Fragments;
+use super::triangle::Corner;
 use fearless_simd::prelude::*;
-
-/// What every tile of a picture is drawn from.
-pub(super) struct Picturing<'a> {
-    pub geometry: Geometry<'a>,
-    pub chunks: &'a [Chunk],
-    pub grid: Grid,
-    pub pattern: Pattern,
-    pub view: &'a View,
-    /// What surfaces without a material of their own have in common, where `has_materials` does not hold.
-    pub plain: &'a InstanceParams,
-    /// Whether each fragment has a material of its own.
-    pub has_materials: bool,
-    pub resolve: Resolve,
-    pub has_skin_layer: bool,
-    pub spread: Spread<'a>,
-}
 
 /// Triangles of a tile, of which there are thousands of samples: beyond that, hidden ones are forgotten.
 const MOST_DRAWN: usize = 1 << 16;
 
-/// The room that one thread draws tiles in. Kept from picture to picture.
+/// What one thread draws tiles in. Kept from picture to picture.
 #[derive(Default)]
-pub(super) struct TileRoom {
+pub(super) struct TileScratch {
     samples: TileSamples,
     triangles: Triangles,
     /// New numbers by old ones.
@@ -50,13 +35,13 @@ pub(super) struct TileRoom {
     skin: Sums,
 }
 
-impl TileRoom {
+impl TileScratch {
     /// Draws tile (`column`, `row`) into `band`, the rows of the picture that tiles of that row cover.
     #[inline(always)]
     pub fn draw<S: Simd>(
         &mut self,
         simd: S,
-        picture: &Picturing<'_>,
+        picture: &PictureContext<'_>,
         [column, row]: [u32; 2],
         band: &mut [u8],
     ) {
@@ -103,16 +88,16 @@ impl TileRoom {
 
     /// Every triangle of the tile that does not blend into its samples.
     #[inline(always)]
-    fn raster<S: Simd>(&mut self, simd: S, picture: &Picturing<'_>, [column, row]: [u32; 2]) {
+    fn raster<S: Simd>(&mut self, simd: S, picture: &PictureContext<'_>, [column, row]: [u32; 2]) {
         self.samples.clear(picture.pattern);
         self.triangles.clear();
-        let canvas = Canvas::of(simd, picture, [column, row]);
+        let canvas = TileCanvas::of(simd, picture, [column, row]);
         let geometry = &picture.geometry;
         for chunk in picture.chunks {
             let of_tile = chunk.of_tile([column, row], &picture.grid);
             for triangle in of_tile.before(geometry.first_blending) {
                 if self.triangles.drawn.len() >= MOST_DRAWN {
-                    if !picture.spread.is_wanted() {
+                    if picture.parallelism.is_cancelled() {
                         return;
                     }
                     self.forget_hidden();
@@ -146,13 +131,13 @@ impl TileRoom {
     #[inline(always)]
     fn triangle<S: Simd, P: CoverageTest>(
         &mut self,
-        canvas: &Canvas<'_, S>,
+        canvas: &TileCanvas<'_, S>,
         place: Place<'_>,
         drawn: Drawn,
         corners: [Projected; 3],
         test: &P,
     ) {
-        let Canvas {
+        let TileCanvas {
             footprint, tile, ..
         } = canvas;
         let Some(reached) = canvas.reached(corners, place) else {
@@ -175,7 +160,7 @@ impl TileRoom {
     fn masked<S: Simd>(
         &mut self,
         simd: S,
-        canvas: &Canvas<'_, S>,
+        canvas: &TileCanvas<'_, S>,
         place: Place<'_>,
         drawn: Drawn,
         material: &PartMaterial<'_>,
@@ -183,7 +168,7 @@ impl TileRoom {
         simd.vectorize(
             #[inline(always)]
             || {
-                let Canvas { picture, .. } = canvas;
+                let TileCanvas { picture, .. } = canvas;
                 let geometry = &picture.geometry;
                 let whole = geometry.corners_of_whole(place);
                 let mut draw = |drawn: Drawn, corners: [Corner; 3]| {
@@ -237,7 +222,7 @@ impl TileRoom {
     fn sum_up<S: Simd>(
         &mut self,
         simd: S,
-        picture: &Picturing<'_>,
+        picture: &PictureContext<'_>,
         block: usize,
         at: [u32; 2],
     ) -> bool {
@@ -269,39 +254,6 @@ impl TileRoom {
     }
 }
 
-/// What triangles of a tile are drawn on.
-pub(super) struct Canvas<'a, S: Simd> {
-    pub picture: &'a Picturing<'a>,
-    pub footprint: Footprint<S>,
-    /// The picture's pixels.
-    pub tile: Rectangle,
-}
-
-impl<'a, S: Simd> Canvas<'a, S> {
-    /// Of tile (`column`, `row`).
-    #[inline(always)]
-    pub fn of(simd: S, picture: &'a Picturing<'a>, [column, row]: [u32; 2]) -> Self {
-        let corner = [column * TILE[0], row * TILE[1]];
-        Self {
-            picture,
-            footprint: Footprint::of(simd, picture.pattern),
-            tile: Rectangle {
-                min: corner,
-                max: [corner[0] + TILE[0] - 1, corner[1] + TILE[1] - 1],
-            },
-        }
-    }
-
-    /// The pixels of the tile that a triangle may cover, if there are any.
-    #[inline(always)]
-    pub fn reached(&self, corners: [Projected; 3], place: Place<'_>) -> Option<Rectangle> {
-        let Self { picture, tile, .. } = self;
-        let reached = seen(corners, place, &picture.grid, picture.pattern)?;
-        let reached = reached.within(tile.min, tile.max);
-        (!reached.is_empty()).then_some(reached)
-    }
-}
-
 /// The material of a triangle's surface, if that has holes.
 #[inline(always)]
 fn masked<'a>(geometry: &Geometry<'a>, place: Place<'_>) -> Option<&'a PartMaterial<'a>> {
@@ -312,43 +264,4 @@ fn masked<'a>(geometry: &Geometry<'a>, place: Place<'_>) -> Option<&'a PartMater
         }
         _ => None,
     }
-}
-
-/// Gathers and shades what the samples of a block show.
-#[inline(always)]
-pub(super) fn shade_shown<S: Simd>(
-    simd: S,
-    picture: &Picturing<'_>,
-    mut gather: Gather<'_>,
-    shown: &[u32],
-) {
-    if !picture.has_materials {
-        match picture.pattern.count() {
-            1 => gather.block::<S, 1, false>(simd, shown),
-            _ => gather.block::<S, 4, false>(simd, shown),
-        }
-        shade::<S, false>(simd, picture.view, picture.plain, gather.fragments);
-    } else {
-        shade_materials(simd, picture, gather, shown);
-    }
-}
-
-/// Gathers and shades a block that may show surfaces with materials of their own. By itself, so that it does not lie in the way of pictures without.
-#[inline(never)]
-fn shade_materials<S: Simd>(
-    simd: S,
-    picture: &Picturing<'_>,
-    mut gather: Gather<'_>,
-    shown: &[u32],
-) {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            match picture.pattern.count() {
-                1 => gather.block::<S, 1, true>(simd, shown),
-                _ => gather.block::<S, 4, true>(simd, shown),
-            }
-            shade::<S, true>(simd, picture.view, picture.plain, gather.fragments);
-        },
-    );
 }

@@ -1,4 +1,4 @@
-//! Work on one core or on all of them, as long as it is wanted. Never lives here: the work.
+//! Work on one core or on all of them, until it is cancelled. Never lives here: the work.
 
 use rayon::prelude::*;
 
@@ -13,24 +13,27 @@ pub enum Cores {
 
 /// How a plan is worked on.
 #[derive(Clone, Copy)]
-pub struct Spread<'a> {
+pub struct Parallelism<'a> {
     cores: Cores,
-    is_wanted: &'a (dyn Fn() -> bool + Sync),
+    is_cancelled: &'a (dyn Fn() -> bool + Sync),
 }
 
-impl<'a> Spread<'a> {
-    /// Until `is_wanted` says no, which it then must go on saying. It is asked every few milliseconds at the latest.
-    pub fn over(cores: Cores, is_wanted: &'a (dyn Fn() -> bool + Sync)) -> Self {
-        Self { cores, is_wanted }
+impl<'a> Parallelism<'a> {
+    /// `is_cancelled` is called every few milliseconds at the latest. Cancellation is sticky: once it returns true, it always does.
+    pub fn cancellable(cores: Cores, is_cancelled: &'a (dyn Fn() -> bool + Sync)) -> Self {
+        Self {
+            cores,
+            is_cancelled,
+        }
     }
 
-    /// Whatever happens.
-    pub fn to_the_end(cores: Cores) -> Spread<'static> {
-        Spread::over(cores, &|| true)
+    /// Runs to completion.
+    pub fn uncancelled(cores: Cores) -> Parallelism<'static> {
+        Parallelism::cancellable(cores, &|| false)
     }
 
-    pub(super) fn is_wanted(self) -> bool {
-        (self.is_wanted)()
+    pub(super) fn is_cancelled(self) -> bool {
+        (self.is_cancelled)()
     }
 
     /// `work` on portions of `items`, each with its number. What comes out must not depend on which is first.
@@ -41,7 +44,7 @@ impl<'a> Spread<'a> {
         work: impl Fn(usize, &mut [T]) + Send + Sync,
     ) {
         let work = |(index, portion): (usize, &mut [T])| {
-            if self.is_wanted() {
+            if !self.is_cancelled() {
                 work(index, portion);
             }
         };
@@ -60,7 +63,7 @@ impl<'a> Spread<'a> {
         work: impl Fn(usize, &mut [T], &mut [U]) + Send + Sync,
     ) {
         let work = |(index, (one, other)): (usize, (&mut [T], &mut [U]))| {
-            if self.is_wanted() {
+            if !self.is_cancelled() {
                 work(index, one, other);
             }
         };
