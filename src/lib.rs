@@ -6,12 +6,12 @@
 //!
 //! | room | may name | what lives there |
 //! |---|---|---|
-//! | [`cli`] | [`server`] [`service`] [`engine`] [`client`] [`protocol`] [`formats`] [`encode`] [`frame`] [`scene`] [`rig`] [`spelling`] [`limits`] | `serve`, `render`, `inspect`, `call`, `doctor`, `openrpc` |
+//! | [`cli`] | [`adapter`] [`server`] [`service`] [`engine`] [`client`] [`protocol`] [`formats`] [`encode`] [`frame`] [`scene`] [`rig`] [`spelling`] [`limits`] | `serve`, `render`, `inspect`, `call`, `doctor`, `openrpc` |
 //! | [`server`] | [`service`] [`protocol`] [`limits`] | fronts, each with its own framing: bounded lines over TCP; an orderly shutdown; knows no method |
 //! | [`client`] | [`protocol`] | a typed blocking client |
-//! | [`service`] | [`protocol`] [`engine`] [`rig`] [`formats`] [`scene`] [`pose`] [`pick`] [`frame`] [`encode`] [`spelling`] [`limits`] | a request in, a response out; one file for each family of methods; knows no framing and no socket |
-//! | [`engine`] | [`rig`] [`formats`] [`pose`] [`pick`] [`scene`] [`frame`] [`render`] [`limits`] | the use-cases in plain types; the store of rigs; whoever draws: the thread that owns the device, or the pool |
-//! | [`render`] | [`rig`] [`pose`] [`scene`] [`frame`] [`limits`] | a plan and two renderers of it, [`render::gpu`] and [`render::cpu`], which never name each other |
+//! | [`service`] | [`adapter`] [`protocol`] [`engine`] [`rig`] [`formats`] [`scene`] [`pose`] [`pick`] [`frame`] [`encode`] [`spelling`] [`limits`] | a request in, a response out; one file for each family of methods; knows no framing and no socket |
+//! | [`engine`] | [`adapter`] [`rig`] [`formats`] [`pose`] [`pick`] [`scene`] [`frame`] [`render`] [`limits`] | the use-cases in plain types; the store of rigs; whoever draws: the thread that owns the device, or the pool |
+//! | [`render`] | [`adapter`] [`rig`] [`pose`] [`scene`] [`frame`] [`limits`] | a plan and two renderers of it, [`render::gpu`] and [`render::cpu`], which never name each other |
 //! | [`encode`] | [`frame`] [`scene`] | from frames to PNG, animated PNG and GIF |
 //! | [`formats`] | [`rig`] [`spelling`] [`limits`] | files to rigs, and where files come from |
 //! | [`pick`] | [`rig`] [`pose`] [`scene`] [`frame`] | rays against bones and skin |
@@ -21,6 +21,7 @@
 //! | [`rig`] | [`limits`] | the format-free character, valid by construction |
 //! | [`protocol`] | [`spelling`] | wire types, error kinds, the OpenRPC document |
 //! | [`spelling`] | | the known name that an unknown one may have been meant for |
+//! | [`adapter`] | | which renderer is asked for, and what each says of itself |
 //! | [`limits`] | | every ceiling, with unit and reason |
 //!
 //! # Homes of what comes from outside
@@ -61,6 +62,7 @@
 // They panic where nobody reads on or a disk is full; `cli::terminal` does not.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 
+pub mod adapter;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod client;

@@ -3,8 +3,9 @@
 
 use crate::scenes::{Shots, Subject};
 use crate::wire::drain;
+use rigd::adapter::AdapterKind;
 use rigd::encode::{Compression, png};
-use rigd::engine::{AdapterKind, Cancellation, Engine, FrameQuery, JobContext};
+use rigd::engine::{Cancellation, Engine, FrameQuery, JobContext};
 use rigd::frame::{Outputs, Raster, SkinnedVertices};
 use rigd::pose::{Posed, Skinning};
 use rigd::render::Plan;

@@ -1,6 +1,6 @@
 //! What everything was measured on, and when. Never lives here: measuring.
 
-use rigd::engine::AdapterInfo;
+use rigd::adapter::AdapterInfo;
 use std::fmt;
 use std::time::{SystemTime, UNIX_EPOCH};
 

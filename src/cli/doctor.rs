@@ -2,7 +2,8 @@
 
 use super::terminal::{Warnings, print};
 use super::{RendererArgs, local};
-use crate::engine::{AdapterInfo, AdapterKind, Timings, adapters};
+use crate::adapter::{AdapterInfo, AdapterKind};
+use crate::engine::{Timings, adapters};
 use crate::formats::Source;
 use crate::protocol::frame::FrameParams;
 use crate::protocol::{ErrorObject, Fault};

@@ -2,9 +2,8 @@
 
 use super::terminal::Warnings;
 use super::{RendererArgs, builtin};
-use crate::engine::{
-    AdapterChoice, Cancellation, Engine, JobContext, LoadedRig, RendererChoice, RigRef, Timings,
-};
+use crate::adapter::AdapterChoice;
+use crate::engine::{Cancellation, Engine, JobContext, LoadedRig, RendererChoice, RigRef, Timings};
 use crate::formats::Source;
 use crate::frame::{ImageKind, Raster};
 use crate::limits::Limits;

@@ -1,9 +1,10 @@
 //! Everything a use-case can fail with.
 
+use crate::adapter::AdapterError;
 use crate::formats::LoadError;
 use crate::limits::LimitExceeded;
 use crate::pose::{OutsideLimits, PoseOutOfRange};
-use crate::render::{AdapterError, RenderError};
+use crate::render::RenderError;
 use std::sync::Arc;
 
 #[derive(Debug, thiserror::Error)]

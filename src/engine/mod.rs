@@ -10,7 +10,6 @@ mod recent;
 mod store;
 mod worker;
 
-pub use crate::render::{AdapterChoice, AdapterInfo, AdapterKind, Backend};
 pub use admission::{Admission, AttachmentPermit, ConnectionQuota, MemoryPermit, Ticket};
 pub use error::{EngineError, PoseError};
 pub use extents::Extents;
@@ -19,6 +18,7 @@ pub use query::{Character, FrameQuery, PickQuery};
 pub use store::{ChangedPose, LoadedRig, RigRef};
 pub use worker::{Cancellation, Timings};
 
+use crate::adapter::{AdapterChoice, AdapterInfo};
 use crate::formats::{self, FileRef, Source};
 use crate::frame::{Outputs, SkinnedVertices};
 use crate::limits::Limits;

@@ -1,7 +1,7 @@
 //! From a [`Plan`] to [`Outputs`](crate::frame::Outputs). `gpu` and `cpu` are twins that never name each other.
 //! Never lives here: sockets, files, encoders.
 
-mod adapter;
+mod capabilities;
 pub mod cpu;
 mod cull;
 mod error;
@@ -17,7 +17,7 @@ mod skeleton;
 mod solids;
 mod view;
 
-pub use adapter::{AdapterChoice, AdapterError, AdapterInfo, AdapterKind, Backend, Capabilities};
+pub use capabilities::Capabilities;
 pub use error::RenderError;
 pub use instance::{Instance, Skin};
 pub use outward::turn_outward;

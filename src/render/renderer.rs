@@ -1,8 +1,9 @@
 //! Which of the two renderers draws, and why. Never lives here: drawing.
 
+use super::Capabilities;
 use super::cpu::Cpu;
 use super::gpu::{self, Gpu};
-use super::{AdapterChoice, AdapterError, AdapterInfo, Capabilities};
+use crate::adapter::{AdapterChoice, AdapterError, AdapterInfo, AdapterKind};
 
 /// One of the twins, opened.
 pub enum Renderer {
@@ -65,7 +66,7 @@ impl Renderer {
 /// Everything that can be drawn with, best first.
 pub fn adapters(threads: usize) -> Vec<AdapterInfo> {
     let mut adapters = gpu::adapters();
-    let software = |info: &AdapterInfo| info.kind >= super::AdapterKind::Software;
+    let software = |info: &AdapterInfo| info.kind >= AdapterKind::Software;
     let after_gpus = adapters.iter().position(software).unwrap_or(adapters.len());
     adapters.insert(after_gpus, Cpu::info(threads));
     adapters

@@ -1,7 +1,7 @@
 //! `server.*`.
 
 use super::call::Call;
-use crate::engine::AdapterKind;
+use crate::adapter::AdapterKind;
 use crate::formats::FORMATS;
 use crate::protocol::PROTOCOL_VERSION;
 use crate::protocol::server as wire;

@@ -205,32 +205,17 @@ fn a_wrong_arrow_is_seen() {
     }
 }
 
-/// Circles of files that still stand. One that is gone has to leave this list.
-const CIRCLES: [&str; 3] = [
-    "render/cpu/bin.rs render/cpu/clip.rs render/cpu/geometry.rs render/cpu/interpolate.rs render/cpu/material.rs render/cpu/raster.rs render/cpu/samples.rs render/cpu/shade.rs",
-    "render/cpu/gather.rs render/cpu/overlay.rs render/cpu/tile.rs",
-    "render/cpu/picture.rs render/cpu/room.rs render/cpu/skinned.rs",
-];
-
 #[test]
 fn no_files_name_each_other_in_a_circle() {
     let found = circles(&sources());
-    let names: Vec<&str> = found.keys().map(String::as_str).collect();
     let arrows: Vec<String> = found.values().map(|arrows| arrows.join("\n")).collect();
-    assert_eq!(names, CIRCLES, "{}", arrows.join("\n\n"));
+    assert!(found.is_empty(), "{}", arrows.join("\n\n"));
 }
-
-/// What rooms still re-export of other rooms. What is gone has to leave this list.
-const REEXPORTS: [&str; 4] = [
-    "engine/mod.rs: AdapterChoice of render/adapter.rs",
-    "engine/mod.rs: AdapterInfo of render/adapter.rs",
-    "engine/mod.rs: AdapterKind of render/adapter.rs",
-    "engine/mod.rs: Backend of render/adapter.rs",
-];
 
 #[test]
 fn no_room_reexports_what_is_of_another() {
-    assert_eq!(Vec::from_iter(reexports(&sources())), REEXPORTS);
+    let found = Vec::from_iter(reexports(&sources()));
+    assert!(found.is_empty(), "{found:?}");
 }
 
 #[test]

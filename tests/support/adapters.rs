@@ -1,9 +1,9 @@
 //! Which renderers tests draw with, and what follows where one is missing. Never lives here: what they draw.
 
 use super::note;
+use rigd::adapter::AdapterError;
 use rigd::engine::{Engine, EngineError, RendererChoice};
 use rigd::limits::Limits;
-use rigd::render::AdapterError;
 use rigd::render::gpu::Gpu;
 
 /// What tests draw with: rigd's own renderer, so that every machine sees the same pictures, or `RIGD_TEST_ADAPTER`.

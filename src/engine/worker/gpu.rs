@@ -3,11 +3,12 @@
 
 use super::Worker;
 use super::job::{Job, Reply, Timings};
+use crate::adapter::AdapterError;
 use crate::engine::EngineError;
 use crate::engine::pool::Pool;
 use crate::frame::Outputs;
 use crate::render::gpu::{AdapterId, Finished, Gpu, InFlight};
-use crate::render::{AdapterError, Plan, RenderError};
+use crate::render::{Plan, RenderError};
 use std::collections::VecDeque;
 use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};

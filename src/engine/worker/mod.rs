@@ -9,8 +9,9 @@ pub(super) use job::Job;
 pub use job::{Cancellation, Timings};
 
 use super::RendererChoice;
+use crate::adapter::{AdapterError, AdapterInfo};
 use crate::engine::pool::Pool;
-use crate::render::{AdapterError, AdapterInfo, Capabilities, Renderer};
+use crate::render::{Capabilities, Renderer};
 use cpu::CpuWorker;
 use gpu::GpuWorker;
 use std::sync::Arc;

@@ -33,7 +33,8 @@ pub use parallelism::{Cores, Parallelism};
 pub use skin::skin_mesh;
 pub use skinned::Skinned;
 
-use super::{AdapterInfo, AdapterKind, Capabilities, Plan, Skin};
+use super::{Capabilities, Plan, Skin};
+use crate::adapter::{AdapterInfo, AdapterKind};
 use crate::frame::{ImageKind, Outputs, Pooled, SkinnedVertices, Spare};
 use crate::rig::Mesh;
 use crate::scene::VertexQuery;

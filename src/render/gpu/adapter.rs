@@ -1,6 +1,6 @@
 //! Which of the machine's graphics adapters to use.
 
-use crate::render::{AdapterChoice, AdapterError, AdapterInfo, AdapterKind, Backend};
+use crate::adapter::{AdapterChoice, AdapterError, AdapterInfo, AdapterKind, Backend};
 use pollster::block_on;
 
 /// Every adapter of this machine, best first.

@@ -1,7 +1,8 @@
 //! The device and what can go wrong with it: its limits, its loss, its refusals.
 
 use super::adapter::{self, AdapterId};
-use crate::render::{AdapterError, AdapterInfo, Capabilities, RenderError};
+use crate::adapter::{AdapterError, AdapterInfo};
+use crate::render::{Capabilities, RenderError};
 use pollster::block_on;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};

@@ -24,8 +24,9 @@ mod upload;
 pub use adapter::{AdapterId, adapters};
 pub use readback::{Finished, InFlight};
 
-use super::{AdapterChoice, AdapterError, AdapterInfo, Capabilities};
+use super::Capabilities;
 use super::{Plan, RenderError};
+use crate::adapter::{AdapterChoice, AdapterError, AdapterInfo};
 use crate::frame::ImageKind;
 use buffers::Readbacks;
 use clock::Clock;
