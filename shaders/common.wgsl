@@ -3,14 +3,16 @@
 // Threads of one compute workgroup along its only dimension.
 const WORKGROUP: u32 = 64u;
 
+// Of a picture at the most.
+const LIGHTS: u32 = 16u;
+
 // Mirrored by `render/view.rs`; a test compares every offset.
 struct View {
     // The eye's position (w = 1), or the direction back to it where it is infinitely far (w = 0).
     eye_in_world: vec4<f32>,
     ambient: vec3<f32>,
-    light_count: u32,
     size_pixels: vec2<f32>,
-    lights: array<Light, 16>,
+    lights: array<Light, LIGHTS>,
 }
 
 // Mirrored by `render/instance_params.rs`; a test compares every offset.
@@ -33,7 +35,7 @@ struct InstanceParams {
 }
 
 struct Light {
-    // Directional (w = 0): unit vector toward the light. Point (w = 1): its position in world space.
+    // Directional (w = 0): unit vector toward the light. Point (w = 1): its position in world space. Behind the last light (w = 2): nothing.
     toward_or_position: vec4<f32>,
     // Linear RGB; w = 1 divides by the squared distance.
     radiance: vec4<f32>,

@@ -61,8 +61,11 @@ fn reflected(
     shininess: f32,
 ) -> vec3<f32> {
     var color = view.ambient * diffuse;
-    for (var i = 0u; i < view.light_count; i++) {
+    for (var i = 0u; i < LIGHTS; i++) {
         let light = view.lights[i];
+        if light.toward_or_position.w > 1.0 {
+            break;
+        }
         let to_light = light.toward_or_position.xyz - p * light.toward_or_position.w;
         let distance_squared = dot(to_light, to_light);
         // A point that the light itself sits on is lit from nowhere.

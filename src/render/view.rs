@@ -14,9 +14,9 @@ pub(super) const LIGHTS: usize = 16;
 pub(super) struct View {
     pub eye_in_world: Vec4,
     pub ambient: Vec3,
-    pub light_count: u32,
+    _padding: f32,
     pub size_pixels: Vec2,
-    _padding: [f32; 2],
+    _more_padding: [f32; 2],
     pub lights: [ShaderLight; LIGHTS],
 }
 
@@ -30,22 +30,36 @@ pub(super) struct ShaderLight {
 
 impl View {
     pub(super) fn of(scene: &Scene) -> Self {
-        let mut lights = [ShaderLight::zeroed(); LIGHTS];
+        let mut lights = [ShaderLight::NONE; LIGHTS];
         for (slot, light) in lights.iter_mut().zip(&scene.lights) {
             *slot = ShaderLight::of(light);
         }
         Self {
             eye_in_world: scene.camera.eye().as_vec4(),
             ambient: scene.ambient.rgb(),
-            light_count: scene.lights.len().min(LIGHTS) as u32,
             size_pixels: Vec2::new(scene.size.width as f32, scene.size.height as f32),
-            _padding: [0.0; 2],
+            _padding: 0.0,
+            _more_padding: [0.0; 2],
             lights,
         }
+    }
+
+    /// Those of the scene.
+    pub(super) fn lights(&self) -> impl Iterator<Item = &ShaderLight> {
+        let is_light = |light: &&ShaderLight| light.toward_or_position.w <= 1.0;
+        self.lights.iter().take_while(is_light)
     }
 }
 
 impl ShaderLight {
+    /// What stands behind the last one. The shaders stop there, and not at a count: Mesa's lavapipe compiles a loop to a count in a uniform
+    /// anew for each draw, and keeps what it compiled.
+    const NONE: Self = Self {
+        toward_or_position: Vec4::new(0.0, 0.0, 0.0, 2.0),
+        radiance: Vec4::ZERO,
+        cone: Vec4::ZERO,
+    };
+
     fn of(light: &Light) -> Self {
         match *light {
             Light::Directional {

@@ -343,7 +343,7 @@ fn blinn_phong<S: Simd, F: MaterialTerms<S>>(
         y: diffuse.y * ag,
         z: diffuse.z * ab,
     };
-    for light in &view.lights[..view.light_count as usize] {
+    for light in view.lights() {
         let to_light = toward(light.toward_or_position, position);
         // A point that the light itself sits on is lit from nowhere.
         let is_point = light.toward_or_position.w == 1.0;

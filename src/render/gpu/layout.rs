@@ -64,7 +64,7 @@ mod tests {
     #[test]
     fn rust_and_shaders_agree_on_every_offset() {
         assert_mirrors!(shaders::BY_MASK.skin, "View", View {
-            eye_in_world = "eye_in_world", ambient = "ambient", light_count = "light_count", size_pixels = "size_pixels", lights = "lights",
+            eye_in_world = "eye_in_world", ambient = "ambient", size_pixels = "size_pixels", lights = "lights",
         });
         assert_mirrors!(shaders::BY_MASK.skin, "InstanceParams", InstanceParams {
             clip_from_model = "clip_from_model", world_from_model = "world_from_model",
