@@ -129,10 +129,10 @@ impl Posed {
 
     /// Whether anything that a mesh of the rig follows turns left into right, and so inside into outside.
     pub fn mirrors(&self, mesh: &Mesh) -> bool {
-        let mut followed = mesh.followers().iter();
+        let mut followed = mesh.binding_bounds().iter();
         // What is flat has no inside.
-        followed.any(|followers| {
-            let moved = self.model_from_bind[followers.binding as usize];
+        followed.any(|binding_bounds| {
+            let moved = self.model_from_bind[binding_bounds.binding as usize];
             moved.matrix3.determinant() <= 0.0
         })
     }

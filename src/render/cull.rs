@@ -108,12 +108,12 @@ pub(super) fn reach(skin: &Skin, mesh: &Mesh) -> Option<Bounds> {
         .iter()
         .map(|&(morph, furthest)| f64::from(skin.morph_weights()[morph].abs() * furthest))
         .sum();
-    let followers = mesh.followers().iter().map(|followers| {
-        let rows = palette[followers.binding as usize].rows;
+    let boxes = mesh.binding_bounds().iter().map(|of_binding| {
+        let rows = palette[of_binding.binding as usize].rows;
         let margin = DVec3::splat(morphed);
         let in_bind = Bounds {
-            min: followers.min.as_dvec3() - margin,
-            max: followers.max.as_dvec3() + margin,
+            min: of_binding.min.as_dvec3() - margin,
+            max: of_binding.max.as_dvec3() + margin,
         };
         let moved = in_bind.corners().map(move |corner| {
             let corner = corner.extend(1.0);
@@ -121,7 +121,7 @@ pub(super) fn reach(skin: &Skin, mesh: &Mesh) -> Option<Bounds> {
         });
         Bounds::of(moved)
     });
-    let bounds = followers.flatten().reduce(|a, b| a.and(&b))?;
+    let bounds = boxes.flatten().reduce(|a, b| a.and(&b))?;
     // Sums of numbers of 32 bits end up a little outside.
     let margin = DVec3::splat(1e-4 * bounds.size());
     Some(Bounds {

@@ -33,7 +33,7 @@ pub struct Influence {
 
 /// Where in bind space the vertices are that follow one binding.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Followers {
+pub struct BindingBounds {
     /// Index into [`Rig::bindings`](super::Rig::bindings).
     pub binding: u32,
     pub min: Vec3,
@@ -157,7 +157,7 @@ pub struct Mesh {
     pub(super) draw_triangles: Vec<[u32; 3]>,
     pub(super) parts: Vec<Part>,
     pub(super) has_negative_weights: bool,
-    pub(super) followers: Vec<Followers>,
+    pub(super) binding_bounds: Vec<BindingBounds>,
     pub(super) morph_reach: Vec<(usize, f32)>,
 }
 
@@ -273,8 +273,8 @@ impl Mesh {
     }
 
     /// One for each binding that vertices follow, by binding.
-    pub fn followers(&self) -> &[Followers] {
-        &self.followers
+    pub fn binding_bounds(&self) -> &[BindingBounds] {
+        &self.binding_bounds
     }
 
     /// `(index into [`Rig::morphs`](super::Rig::morphs), how far it moves a vertex at the most at weight 1)` of each that moves this mesh.
@@ -303,6 +303,6 @@ impl Mesh {
             + size_of_val(self.triangles.as_slice())
             + size_of_val(self.draw_triangles.as_slice())
             + self.parts.iter().map(Part::memory_bytes).sum::<usize>()
-            + size_of_val(self.followers.as_slice())
+            + size_of_val(self.binding_bounds.as_slice())
     }
 }

@@ -23,7 +23,7 @@ pub use draft::{
 };
 pub use light::{FileLight, FileLightKind};
 pub use material::{Highlight, Material, NormalMap, Opacity, TexturePlace, TextureTransform, Wrap};
-pub use mesh::{Binding, Followers, Influence, Look, Mesh, Part, Sides};
+pub use mesh::{Binding, BindingBounds, Influence, Look, Mesh, Part, Sides};
 pub use morph::{Morph, MorphDisplacement};
 pub use rotation::{Rotation, RotationOrder};
 pub use skeleton::{Axis, Joint, Limit, Skeleton};

@@ -55,7 +55,7 @@ impl MeshBuild<'_> {
             draw_triangles,
             parts,
             // Found once morph targets are there too.
-            followers: Vec::new(),
+            binding_bounds: Vec::new(),
             morph_reach: Vec::new(),
         })
     }

@@ -79,7 +79,7 @@ impl Draft {
         let morphs = morph::build(self.morphs, &mut meshes, limits)?;
         for mesh in &mut meshes {
             sides::sort(mesh, &self.materials);
-            mesh.followers = reach::followers(mesh);
+            mesh.binding_bounds = reach::binding_bounds(mesh);
             mesh.morph_reach = reach::of_morphs(mesh);
             reach::place_parts(mesh);
         }

@@ -1,12 +1,12 @@
 //! How far the vertices of a mesh can go: what is moved by each binding and by each morph target, as boxes and lengths.
 
-use crate::rig::{Followers, Mesh};
+use crate::rig::{BindingBounds, Mesh};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// By binding.
-pub(super) fn followers(mesh: &Mesh) -> Vec<Followers> {
-    let mut found: Vec<Option<Followers>> = Vec::new();
+pub(super) fn binding_bounds(mesh: &Mesh) -> Vec<BindingBounds> {
+    let mut found: Vec<Option<BindingBounds>> = Vec::new();
     for (vertex, &position) in mesh.positions.iter().enumerate() {
         for influence in mesh.influences_of(vertex) {
             let binding = influence.binding;
@@ -14,7 +14,7 @@ pub(super) fn followers(mesh: &Mesh) -> Vec<Followers> {
                 found.resize(binding as usize + 1, None);
             }
             let slot = &mut found[binding as usize];
-            let own = slot.get_or_insert(Followers {
+            let own = slot.get_or_insert(BindingBounds {
                 binding,
                 min: position,
                 max: position,
