@@ -11,9 +11,11 @@ struct Place {
     inverse_w_by_y: f32,
 }
 
-// `w` is that of the clip space, at the center. To be called in uniform control flow.
-fn place_at(offset: vec2<f32>, w: f32) -> Place {
+// `center` and `driver_centroid_in_clip` are what the rasterizer gives of the position, `w` is that of the clip space, at the center. To be
+// called in uniform control flow.
+fn place_of(rasterized: Rasterized, center: vec4<f32>, driver_centroid_in_clip: vec4<f32>, w: f32) -> Place {
     let inverse_w = 1.0 / w;
+    let offset = centroid_offset(rasterized, center, driver_centroid_in_clip);
     return Place(offset, inverse_w, dpdxFine(inverse_w), dpdyFine(inverse_w));
 }
 

@@ -62,8 +62,7 @@ fn material_fragment(vertex: Vertex, rasterized: Rasterized) -> @location(0) vec
     // The picture's rows run from the top, v from the bottom.
     let from_above = vec3(vertex.texcoord.x, 1.0 - vertex.texcoord.y, 1.0);
     let texel = sampled(color_picture, color_sampler, place(material.color_place, from_above));
-    let offset = centroid_offset(rasterized, vertex.position_in_clip, vertex.driver_centroid_in_clip);
-    let shaded = place_at(offset, vertex.w);
+    let shaded = place_of(rasterized, vertex.position_in_clip, vertex.driver_centroid_in_clip, vertex.w);
     let vertex_color = at_place(vertex.color.rgb, shaded);
     let diffuse = material.color.rgb * texel.rgb * clamp(vertex_color, vec3(0.0), vec3(1.0));
     // Of the pixel's center, like the texture's: a mask takes all samples of a pixel or none.

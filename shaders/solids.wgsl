@@ -24,8 +24,7 @@ fn solid_vertex(
 
 @fragment
 fn solid_fragment(vertex: Vertex, rasterized: Rasterized) -> @location(0) vec4<f32> {
-    let offset = centroid_offset(rasterized, vertex.position_in_clip, vertex.driver_centroid_in_clip);
-    let place = place_at(offset, vertex.w);
+    let place = place_of(rasterized, vertex.position_in_clip, vertex.driver_centroid_in_clip, vertex.w);
     let p = at_place(vertex.position_in_world, place);
     let smooth_normal = at_place(vertex.normal_in_world, place);
     let back_to_eye = toward_eye(p);

@@ -328,9 +328,11 @@ impl Engine {
         context: JobContext,
         done: impl FnOnce(Result<(Outputs, Timings), EngineError>) + Send + 'static,
     ) {
-        let skins = plan.vertices.iter();
-        let skins = skins.map(|query| plan.instances[query.instance].skin().clone());
-        let queried: Vec<(VertexQuery, Skin)> = plan.vertices.iter().copied().zip(skins).collect();
+        let with_skin = |query: &VertexQuery| {
+            let skin = plan.instances[query.instance].skin();
+            (*query, skin.clone())
+        };
+        let queried: Vec<(VertexQuery, Skin)> = plan.vertices.iter().map(with_skin).collect();
         let done = move |result: Result<(Outputs, Timings), EngineError>| {
             done(result.map(|(mut outputs, timings)| {
                 for ((query, skin), skinned) in queried.iter().zip(&mut outputs.vertices) {

@@ -5,6 +5,8 @@ mod capabilities;
 pub mod cpu;
 mod cull;
 mod error;
+#[cfg(test)]
+pub(crate) mod fixtures;
 pub mod gpu;
 mod instance;
 mod instance_params;

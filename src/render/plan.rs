@@ -72,6 +72,16 @@ impl Plan {
         drawn.filter(|(_, instance)| instance.shows_skin())
     }
 
+    /// The skins that the picture shows, each distinct one once, in the order of the instances.
+    pub fn drawn_skins(&self) -> impl Iterator<Item = &Skin> {
+        let all = self.drawn().map(|(_, instance)| instance.skin());
+        let distinct = all.clone().enumerate().filter(move |(index, skin)| {
+            let mut before = all.clone().take(*index);
+            !before.any(|other| other == *skin)
+        });
+        distinct.map(|(_, skin)| skin)
+    }
+
     /// Whether the skin of any instance is a layer of its own.
     pub fn is_translucent(&self) -> bool {
         self.drawn().any(|(_, instance)| instance.is_translucent())

@@ -2,8 +2,8 @@
 //! Never lives here: skinning, and drawing.
 
 use super::job::Job;
+use crate::render::Skin;
 use crate::render::cpu::Skinned;
-use crate::render::{Plan, Skin};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 #[derive(Default)]
@@ -44,7 +44,7 @@ pub(super) struct Computation(u64);
 impl SkinCache {
     /// The skins that the picture of a job shows.
     pub fn look_up(&self, job: Job) -> Lookup {
-        let skins = drawn_skins(&job.plan);
+        let skins: Vec<Skin> = job.plan.drawn_skins().cloned().collect();
         let mut state = self.lock();
         state.entries.retain(|entry| match &entry.state {
             EntryState::Computing { .. } => true,
@@ -130,67 +130,23 @@ impl SkinCache {
     }
 }
 
-/// Each distinct one once, in the order of the instances.
-fn drawn_skins(plan: &Plan) -> Vec<Skin> {
-    let mut skins: Vec<Skin> = Vec::new();
-    for (_, instance) in plan.drawn() {
-        if !skins.contains(instance.skin()) {
-            skins.push(instance.skin().clone());
-        }
-    }
-    skins
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::engine::worker::Cancellation;
     use crate::engine::{Admission, JobContext};
     use crate::limits::Limits;
-    use crate::pose::{Pose, Posed, Skinning};
+    use crate::pose::{Posed, Skinning};
     use crate::render::cpu::{Cores, Cpu, Parallelism};
-    use crate::rig::{Draft, MeshDraft};
-    use crate::scene::{
-        Appearance, Background, Bounds, Camera, Orbit, Samples, Scene, Show, ShowSkin, Size,
-    };
-    use glam::{DVec3, Vec3};
+    use crate::render::fixtures;
+    use crate::scene::ShowSkin;
 
     fn posed() -> Arc<Posed> {
-        let mesh = MeshDraft {
-            positions: vec![Vec3::X, Vec3::Y, Vec3::Z],
-            triangles: vec![[0, 1, 2]],
-            ..MeshDraft::default()
-        };
-        let draft = Draft {
-            meshes: vec![mesh],
-            ..Draft::default()
-        };
-        let rig = Arc::new(draft.build(&Limits::default()).unwrap());
-        Arc::new(Posed::new(&Pose::rest(&rig)).unwrap())
+        fixtures::posed(1)
     }
 
     fn job(posed: &Arc<Posed>, skinning: Skinning, skin: ShowSkin) -> Job {
-        let size = Size {
-            width: 8,
-            height: 8,
-        };
-        let bounds = Bounds {
-            min: DVec3::ZERO,
-            max: DVec3::ONE,
-        };
-        let scene = Scene {
-            size,
-            samples: Samples::One,
-            camera: Camera::orbit(Orbit::default(), &bounds, size).unwrap(),
-            lights: Vec::new(),
-            ambient: Scene::DEFAULT_AMBIENT,
-            background: Background::default(),
-        };
-        let appearance = Appearance {
-            show: Show::new(skin, Default::default(), Default::default(), 1.0).unwrap(),
-            ..Appearance::default()
-        };
-        let plan = Plan::picture(Arc::clone(posed), skinning, appearance, scene, 1.0);
+        let plan = fixtures::picture(posed, skinning, skin);
         let admission = Arc::new(Admission::new(&Limits::default()));
         let context = JobContext {
             cancellation: Cancellation::default(),

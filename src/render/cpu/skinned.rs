@@ -23,11 +23,6 @@ impl Skinned {
     pub(super) fn vertices(&self) -> &Vertices {
         &self.0
     }
-
-    /// Whether the vertices of a skin are among them.
-    pub fn has(&self, skin: &Skin) -> bool {
-        self.0.range_of(skin).is_some()
-    }
 }
 
 impl Drop for Skinned {
@@ -47,7 +42,7 @@ impl Vertices {
 }
 
 impl Cpu {
-    /// The skins that the picture of a plan shows, each distinct one once. `None` where it was cancelled.
+    /// The [skins](Plan::drawn_skins) that the picture of a plan shows. `None` where it was cancelled.
     pub fn skin(&self, plan: &Plan, parallelism: Parallelism<'_>) -> Option<Skinned> {
         let mut skinned = Skinned(self.skins.take());
         let Vertices {
@@ -56,13 +51,10 @@ impl Cpu {
             skins,
         } = &mut *skinned.0;
         let mut count = 0;
-        for (_, instance) in plan.drawn() {
-            let skin = instance.skin();
-            if !skins.iter().any(|(other, _)| other == skin) {
-                let own = count..count + skin.rig().draw_vertex_count();
-                count = own.end;
-                skins.push((skin.clone(), own));
-            }
+        for skin in plan.drawn_skins() {
+            let own = count..count + skin.rig().draw_vertex_count();
+            count = own.end;
+            skins.push((skin.clone(), own));
         }
         positions.resize(count, [0.0; 3]);
         normals.resize(count, [0.0; 3]);

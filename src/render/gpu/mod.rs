@@ -191,10 +191,9 @@ impl Gpu {
         let vertices = self.skin.skinned();
         for plan in plans {
             // Pictures of one shape share their targets: each is copied out before the next one is drawn.
-            if let (Some(image), Some(ready)) = (
-                &plan.image,
-                plan.image.as_ref().and_then(|_| pictures.next()),
-            ) {
+            if let Some(image) = &plan.image
+                && let Some(ready) = pictures.next()
+            {
                 for kind in &image.outputs {
                     match kind {
                         ImageKind::Color => {

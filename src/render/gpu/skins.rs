@@ -21,8 +21,8 @@ impl<'a> SkinSet<'a> {
     pub fn of(plans: &[&'a Plan]) -> Self {
         let mut skins = Self::default();
         for plan in plans {
-            for (_, instance) in plan.drawn() {
-                skins.add_drawn(instance.skin());
+            for skin in plan.drawn_skins() {
+                skins.add_drawn(skin);
             }
             for query in plan.vertices.iter().filter(|query| asks_for_any(query)) {
                 skins.add(plan.instances[query.instance].skin(), query.mesh);
@@ -69,53 +69,17 @@ fn asks_for_any(query: &VertexQuery) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::limits::Limits;
-    use crate::pose::{Pose, Posed, Skinning};
-    use crate::rig::{Draft, MeshDraft};
-    use crate::scene::{
-        Appearance, Background, Bounds, Camera, Light, Orbit, Samples, Scene, Shape, Show,
-        ShowSkin, Size,
-    };
-    use glam::{DVec3, Vec3};
+    use crate::pose::{Posed, Skinning};
+    use crate::render::fixtures;
+    use crate::scene::{Shape, ShowSkin};
     use std::sync::Arc;
 
-    /// Three triangles, a mesh each.
     fn posed() -> Arc<Posed> {
-        let mesh = |_| MeshDraft {
-            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
-            triangles: vec![[0, 1, 2]],
-            ..MeshDraft::default()
-        };
-        let draft = Draft {
-            meshes: (0..3).map(mesh).collect(),
-            ..Draft::default()
-        };
-        let rig = Arc::new(draft.build(&Limits::default()).unwrap());
-        Arc::new(Posed::new(&Pose::rest(&rig)).unwrap())
+        fixtures::posed(3)
     }
 
     fn picture(posed: &Arc<Posed>, skin: ShowSkin) -> Plan {
-        let size = Size {
-            width: 8,
-            height: 8,
-        };
-        let bounds = Bounds {
-            min: DVec3::ZERO,
-            max: DVec3::ONE,
-        };
-        let scene = Scene {
-            size,
-            samples: Samples::One,
-            camera: Camera::orbit(Orbit::default(), &bounds, size).unwrap(),
-            lights: Light::default_pair(),
-            ambient: Scene::DEFAULT_AMBIENT,
-            background: Background::default(),
-        };
-        let appearance = Appearance {
-            show: Show::new(skin, Default::default(), Default::default(), 1.0).unwrap(),
-            ..Appearance::default()
-        };
-        Plan::picture(Arc::clone(posed), Skinning::Linear, appearance, scene, 1.0)
+        fixtures::picture(posed, Skinning::Linear, skin)
     }
 
     fn vertices(posed: &Arc<Posed>, skinning: Skinning, queries: &[(usize, usize)]) -> Plan {
