@@ -2,7 +2,10 @@
 
 /// The same in another case, the only one that ends in it after a dot (`ping`, `server.ping`), or the first of those that look most like
 /// it. `None` where no known name is near.
-pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str> + Clone) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(
+    name: &str,
+    known: impl Iterator<Item = &'a str> + Clone,
+) -> Option<&'a str> {
     /// Bytes of a name that is compared: that takes time by the product of the lengths.
     const LONGEST: usize = 64;
     /// Names that are compared, of a rig's hundred thousands: a matter of milliseconds.

@@ -22,17 +22,17 @@ pub(super) enum Unit {
 
 impl Unit {
     /// An angle in this unit, as it can be typed.
-    pub fn show(self, radians: f64) -> String {
+    pub(super) fn show(self, radians: f64) -> String {
         self.show_moved(radians, 0.0)
     }
 
     /// The least that an angle may be, rounded up, so that what is shown may be typed.
-    pub fn show_least(self, radians: f64) -> String {
+    pub(super) fn show_least(self, radians: f64) -> String {
         self.show_moved(radians, ALMOST_HALF)
     }
 
     /// The most that an angle may be, rounded down, so that what is shown may be typed.
-    pub fn show_most(self, radians: f64) -> String {
+    pub(super) fn show_most(self, radians: f64) -> String {
         self.show_moved(radians, -ALMOST_HALF)
     }
 
@@ -51,7 +51,7 @@ const ALMOST_HALF: f64 = 0.5 - 1e-9;
 
 impl Angle {
     /// What is odd about a number without a unit that would be a common one in degrees.
-    pub fn doubt(self) -> Option<String> {
+    pub(super) fn doubt(self) -> Option<String> {
         let Self { radians, unit } = self;
         let is_odd = unit == Unit::None && radians.abs() > std::f64::consts::TAU;
         is_odd.then(|| {

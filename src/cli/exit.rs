@@ -23,7 +23,7 @@ pub(super) enum Outcome {
 
 impl Outcome {
     /// Under `--strict` warnings count.
-    pub fn of(warnings: &terminal::Warnings, is_strict: bool) -> Self {
+    pub(super) fn of(warnings: &terminal::Warnings, is_strict: bool) -> Self {
         if is_strict && !warnings.is_empty() {
             Self::Warned
         } else {
@@ -41,7 +41,7 @@ pub(super) struct Stopped {
 
 impl Stopped {
     /// As shells count it.
-    pub fn code(self) -> i32 {
+    pub(super) fn code(self) -> i32 {
         128 + self.signal
     }
 }

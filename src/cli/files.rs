@@ -18,7 +18,7 @@ pub(super) enum Destination {
 impl Destination {
     /// # Errors
     /// Where it is no name that a file can have, or that of a folder.
-    pub fn of(path: &Path) -> anyhow::Result<Self> {
+    pub(super) fn of(path: &Path) -> anyhow::Result<Self> {
         if path == Path::new("-") {
             return Ok(Self::StandardOutput);
         }
@@ -78,7 +78,7 @@ pub(super) struct Unfinished {
 }
 
 impl Unfinished {
-    pub fn create(path: &Path) -> std::io::Result<(Self, File)> {
+    pub(super) fn create(path: &Path) -> std::io::Result<(Self, File)> {
         // A link is not replaced, but what it leads to.
         let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         if fs::metadata(&target).is_ok_and(|found| !found.is_file()) {
@@ -92,7 +92,7 @@ impl Unfinished {
         Ok((Self { part, target }, file))
     }
 
-    pub fn name(mut self) -> std::io::Result<()> {
+    pub(super) fn name(mut self) -> std::io::Result<()> {
         if let Some(part) = &self.part {
             fs::rename(part, &self.target)?;
         }

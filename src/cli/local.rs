@@ -81,7 +81,7 @@ pub(super) fn draw<T: Send + 'static>(
 pub(super) struct Drawing<T>(pub Receiver<Result<T, Fault>>);
 
 impl<T> Drawing<T> {
-    pub fn wait(self) -> Result<T, Fault> {
+    pub(super) fn wait(self) -> Result<T, Fault> {
         self.0.recv().unwrap_or_else(|_| {
             let message = "the renderer failed at this picture".to_owned();
             Err(Fault::Internal { message })

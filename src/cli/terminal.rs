@@ -75,17 +75,17 @@ pub(super) struct Warnings {
 }
 
 impl Warnings {
-    pub fn tell(&mut self, warning: &str) {
+    pub(super) fn tell(&mut self, warning: &str) {
         note(&format!("warning: {warning}"));
         self.count += 1;
     }
 
     /// Counts those that the output tells of itself.
-    pub fn count(&mut self, told: usize) {
+    pub(super) fn count(&mut self, told: usize) {
         self.count += told;
     }
 
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.count == 0
     }
 }

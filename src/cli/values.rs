@@ -106,7 +106,7 @@ pub(super) struct Weight {
 
 impl Weight {
     /// The degree of freedom, which may be typed as such.
-    pub fn dof(&self) -> String {
+    pub(super) fn dof(&self) -> String {
         if self.morph.starts_with(MORPH_PREFIX) {
             self.morph.clone()
         } else {

@@ -26,7 +26,7 @@ const OPAQUE: u8 = 128;
 impl Indexed {
     /// `pixels` are RGBA8. Colors are kept where there are few enough of them; else the most frequent one is, which is that of a plain
     /// background, and so does not flicker from frame to frame.
-    pub fn new(pixels: &[u8], compression: Compression) -> Self {
+    pub(super) fn new(pixels: &[u8], compression: Compression) -> Self {
         let counts = count(pixels);
         let has_holes = pixels
             .as_chunks()

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::available_parallelism;
 
 /// Threads for drawing on the CPU, for encoding and for writing replies.
-pub struct Pool {
+pub(super) struct Pool {
     threads: rayon::ThreadPool,
     queue: Arc<Queue>,
 }
@@ -36,14 +36,14 @@ impl Queue {
 
 impl Pool {
     /// How many threads it has where so many are asked for: otherwise one for each core.
-    pub fn threads(asked: Option<NonZeroUsize>) -> usize {
+    pub(super) fn threads(asked: Option<NonZeroUsize>) -> usize {
         let cores = || available_parallelism().map_or(1, NonZeroUsize::get);
         asked.map_or_else(cores, NonZeroUsize::get)
     }
 
     /// # Errors
     /// Where the system gives no threads.
-    pub fn new(threads: Option<NonZeroUsize>) -> Result<Self, rayon::ThreadPoolBuildError> {
+    pub(super) fn new(threads: Option<NonZeroUsize>) -> Result<Self, rayon::ThreadPoolBuildError> {
         let threads = rayon::ThreadPoolBuilder::new()
             .num_threads(Self::threads(threads))
             .thread_name(|index| format!("work-{index}"))
@@ -56,19 +56,19 @@ impl Pool {
         })
     }
 
-    pub fn thread_count(&self) -> usize {
+    pub(super) fn thread_count(&self) -> usize {
         self.threads.current_num_threads()
     }
 
     /// Runs `work` once all that was given before has begun. How much may wait is up to the caller, who admits requests.
-    pub fn spawn(&self, work: impl FnOnce() + Send + 'static) {
+    pub(super) fn spawn(&self, work: impl FnOnce() + Send + 'static) {
         self.queue.push(Box::new(work));
         let queue = Arc::clone(&self.queue);
         self.threads.spawn(move || queue.run_oldest());
     }
 
     /// Lets the oldest work that waits go first, from within other work that takes long.
-    pub fn give_way(&self) {
+    pub(super) fn give_way(&self) {
         self.queue.run_oldest();
     }
 }

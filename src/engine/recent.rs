@@ -16,7 +16,7 @@ impl RecentPoses {
     ///
     /// # Errors
     /// As [`Posed::new`].
-    pub fn posed(&self, pose: Pose) -> Result<Arc<Posed>, PoseOutOfRange> {
+    pub(super) fn posed(&self, pose: Pose) -> Result<Arc<Posed>, PoseOutOfRange> {
         if let Some(posed) = self.find(&pose) {
             return Ok(posed);
         }

@@ -93,14 +93,14 @@ pub(super) struct Store {
 }
 
 impl Store {
-    pub fn new(limits: Limits) -> Self {
+    pub(super) fn new(limits: Limits) -> Self {
         Self {
             entries: Mutex::default(),
             limits,
         }
     }
 
-    pub fn keep(
+    pub(super) fn keep(
         &self,
         name: Option<&str>,
         loaded: Loaded,
@@ -150,25 +150,25 @@ impl Store {
         same.map(|entry| Arc::clone(&entry.loaded))
     }
 
-    pub fn remove(&self, rig: &str) -> Result<(), EngineError> {
+    pub(super) fn remove(&self, rig: &str) -> Result<(), EngineError> {
         let mut entries = self.lock();
         let (name, _) = find(&entries, rig)?;
         entries.remove(&name);
         Ok(())
     }
 
-    pub fn find(&self, rig: &str) -> Result<RigRef, EngineError> {
+    pub(super) fn find(&self, rig: &str) -> Result<RigRef, EngineError> {
         find(&self.lock(), rig).map(|(_, rig_ref)| rig_ref)
     }
 
-    pub fn all(&self) -> Vec<Arc<LoadedRig>> {
+    pub(super) fn all(&self) -> Vec<Arc<LoadedRig>> {
         self.lock()
             .values()
             .map(|entry| Arc::clone(&entry.loaded))
             .collect()
     }
 
-    pub fn bytes(&self) -> u64 {
+    pub(super) fn bytes(&self) -> u64 {
         self.lock()
             .values()
             .map(|entry| entry.loaded.rig.memory_bytes())
@@ -176,7 +176,7 @@ impl Store {
     }
 
     /// The lock is held from reading the stored pose to writing it, so that no change of another connection is lost.
-    pub fn update_pose<E: From<EngineError>>(
+    pub(super) fn update_pose<E: From<EngineError>>(
         &self,
         rig: &str,
         update: impl FnOnce(&RigRef) -> Result<ChangedPose, E>,

@@ -23,7 +23,7 @@ impl Blended {
     /// For each DOF, and for each joint whose rotation is set whole, over those clips that set it, in their order:
     /// `mean ← mix(mean, value, weight / Σ weights so far)`; where the sum stays below 1, `mix(pose's own, mean, sum)` at the end.
     /// `mix` is linear, of rotations a slerp by the shorter way.
-    pub fn of(pose: &Pose, clips: &[ClipAt]) -> Self {
+    pub(super) fn of(pose: &Pose, clips: &[ClipAt]) -> Self {
         let mut dofs: BTreeMap<usize, Mean<f64>> = BTreeMap::new();
         let mut rotations: BTreeMap<usize, Mean<DQuat>> = BTreeMap::new();
         for &ClipAt { clip, time, weight } in clips.iter().filter(|clip| clip.weight > 0.0) {

@@ -40,7 +40,12 @@ pub(super) struct Culling {
 
 impl Culling {
     /// `bounds` are those of the mesh's posed vertices in model space, or larger; `None` where they are not known.
-    pub fn of(instance: &Instance, mesh: &Mesh, camera: &Camera, bounds: Option<Bounds>) -> Self {
+    pub(super) fn of(
+        instance: &Instance,
+        mesh: &Mesh,
+        camera: &Camera,
+        bounds: Option<Bounds>,
+    ) -> Self {
         let appearance = instance.appearance();
         let clip_from_model = instance.clip_from_model(camera.clip_from_world());
         let is_seen_from_outside = bounds.is_some_and(|bounds| is_ahead(&bounds, clip_from_model));
@@ -57,7 +62,7 @@ impl Culling {
     }
 
     /// All draw triangles of a part of the mesh, with the side of them that can be left out.
-    pub fn pieces(self, part: &Part) -> impl Iterator<Item = Piece> + use<> {
+    pub(super) fn pieces(self, part: &Part) -> impl Iterator<Item = Piece> + use<> {
         let Range { start, end } = part.triangles;
         let piece = |triangles, culled| Piece { triangles, culled };
         let backs_of = |count, is_turned_over| {

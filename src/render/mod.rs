@@ -2,11 +2,17 @@
 //! Never lives here: sockets, files, encoders.
 
 mod capabilities;
+#[cfg(not(feature = "test-support"))]
+pub(crate) mod cpu;
+#[cfg(feature = "test-support")]
 pub mod cpu;
 mod cull;
 mod error;
 #[cfg(test)]
 pub(crate) mod fixtures;
+#[cfg(not(feature = "test-support"))]
+pub(crate) mod gpu;
+#[cfg(feature = "test-support")]
 pub mod gpu;
 mod instance;
 mod instance_params;

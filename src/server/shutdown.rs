@@ -34,31 +34,31 @@ pub(super) struct Shutdown {
 }
 
 impl Shutdown {
-    pub fn new(timeouts: &Timeouts) -> Self {
+    pub(super) fn new(timeouts: &Timeouts) -> Self {
         Self {
             grace: timeouts.grace,
             ..Self::default()
         }
     }
 
-    pub fn ask(&self) {
+    pub(super) fn ask(&self) {
         let mut asked_at = self.asked_at.lock().unwrap_or_else(PoisonError::into_inner);
         asked_at.get_or_insert_with(Instant::now);
         drop(asked_at);
         self.is_asked.store(true, Ordering::SeqCst);
     }
 
-    pub fn is_asked(&self) -> bool {
+    pub(super) fn is_asked(&self) -> bool {
         self.is_asked.load(Ordering::SeqCst)
     }
 
     /// Whether requests in hand are no longer waited for.
-    pub fn is_grace_over(&self) -> bool {
+    pub(super) fn is_grace_over(&self) -> bool {
         self.has_passed(self.grace)
     }
 
     /// Whether even those are given up who are still being told that the grace time is over.
-    pub fn is_over(&self) -> bool {
+    pub(super) fn is_over(&self) -> bool {
         self.has_passed(self.grace + LAST_WORDS)
     }
 

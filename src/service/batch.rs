@@ -63,7 +63,7 @@ pub(super) struct Batch<I: Items> {
 impl<I: Items> Batch<I> {
     /// Admits the batch as one request. What this gives does not check a single item before it returns: that takes as long as a client
     /// likes, and meanwhile the connection is to hear a `request.cancel`.
-    pub fn prepare(self, call: &Call) -> Result<impl FnOnce(Responder) + use<I>, Fault> {
+    pub(super) fn prepare(self, call: &Call) -> Result<impl FnOnce(Responder) + use<I>, Fault> {
         let Self {
             items,
             given,

@@ -20,11 +20,11 @@ pub(super) struct Call {
 }
 
 impl Call {
-    pub fn engine(&self) -> &Engine {
+    pub(super) fn engine(&self) -> &Engine {
         &self.service.engine
     }
 
-    pub fn source(&self) -> &Source {
+    pub(super) fn source(&self) -> &Source {
         &self.service.source
     }
 
@@ -32,7 +32,7 @@ impl Call {
     ///
     /// # Errors
     /// [`Fault::Busy`].
-    pub fn admit(&self, bytes: u64) -> Result<(MemoryPermit, JobContext), Fault> {
+    pub(super) fn admit(&self, bytes: u64) -> Result<(MemoryPermit, JobContext), Fault> {
         let memory = self.reserve(bytes)?;
         let ticket = self.engine().admission().admit();
         let ticket = ticket.map_err(|error| self.busy(error))?;
@@ -49,12 +49,12 @@ impl Call {
     ///
     /// # Errors
     /// [`Fault::Busy`].
-    pub fn reserve(&self, bytes: u64) -> Result<MemoryPermit, Fault> {
+    pub(super) fn reserve(&self, bytes: u64) -> Result<MemoryPermit, Fault> {
         self.quota.reserve(bytes).map_err(|error| self.busy(error))
     }
 
     /// With a guess at when the renderer will have room again.
-    pub fn busy(&self, error: EngineError) -> Fault {
+    pub(super) fn busy(&self, error: EngineError) -> Fault {
         match error {
             EngineError::Busy { queue_depth } => {
                 let drained = self.service.stats.mean_render()

@@ -22,7 +22,7 @@ pub(super) struct Dispatch<'a> {
 
 impl Dispatch<'_> {
     /// What changes rigs or poses has happened when this returns. `in_flight` are the requests of the same connection.
-    pub fn run(self, method: Method, in_flight: &InFlight) {
+    pub(super) fn run(self, method: Method, in_flight: &InFlight) {
         let call = self.call;
         if let Err(late) = call.cancellation.check() {
             return self.responder.respond(Err(late.into()));

@@ -21,7 +21,7 @@ const WORD: usize = 4;
 
 impl DofRow {
     /// A fault is as seen from the values.
-    pub fn new(values: DofValues, attached: &Bytes) -> Result<Self, FieldFault> {
+    pub(super) fn new(values: DofValues, attached: &Bytes) -> Result<Self, FieldFault> {
         let attach = match values {
             DofValues::List(values) => {
                 let all = 0..values.len();
@@ -39,7 +39,7 @@ impl DofRow {
         Ok(Self::Float32(attached.slice_ref(bytes)))
     }
 
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         match self {
             Self::List(_, range) => range.len(),
             Self::Float32(bytes) => bytes.len() / WORD,
@@ -47,7 +47,7 @@ impl DofRow {
     }
 
     /// The `index`th of parts of `count` values each.
-    pub fn part(&self, index: usize, count: usize) -> Self {
+    pub(super) fn part(&self, index: usize, count: usize) -> Self {
         let start = index * count;
         match self {
             Self::List(values, range) => {
@@ -60,19 +60,19 @@ impl DofRow {
         }
     }
 
-    pub fn value(&self, index: usize) -> f64 {
+    pub(super) fn value(&self, index: usize) -> f64 {
         match self {
             Self::List(values, range) => values[range.clone()][index],
             Self::Float32(bytes) => f32::from_le_bytes(bytes.as_chunks().0[index]).into(),
         }
     }
 
-    pub fn values(&self) -> impl Iterator<Item = f64> {
+    pub(super) fn values(&self) -> impl Iterator<Item = f64> {
         (0..self.len()).map(|index| self.value(index))
     }
 
     /// Memory of all values.
-    pub fn bytes(&self) -> usize {
+    pub(super) fn bytes(&self) -> usize {
         match self {
             Self::List(values, _) => size_of_val(values.as_slice()),
             // Those of the request, which are counted once.

@@ -27,7 +27,7 @@ pub(super) fn bytes_of_picture(pixels: u64) -> u64 {
 }
 
 impl Call {
-    pub fn render(
+    pub(super) fn render(
         &self,
         params: wire::FrameParams,
     ) -> Result<impl FnOnce(Responder) + use<>, Fault> {
@@ -48,7 +48,7 @@ impl Call {
     }
 
     /// Draws a picture of a rig and packs it. `done` runs once.
-    pub fn draw(
+    pub(super) fn draw(
         &self,
         rig: &RigRef,
         mut subject: Subject,
@@ -100,7 +100,7 @@ pub(super) struct PackedFrame {
 
 impl PackedFrame {
     /// Its bytes go into `attachments` where they are to be attached.
-    pub fn sent(self, attachments: &mut Attachments) -> wire::Frame {
+    pub(super) fn sent(self, attachments: &mut Attachments) -> wire::Frame {
         let Self {
             caption,
             images,
@@ -126,7 +126,7 @@ impl PackedFrame {
         }
     }
 
-    pub fn written_bytes(&self) -> u64 {
+    pub(super) fn written_bytes(&self) -> u64 {
         let images = self.images.iter();
         let bytes = images.map(|(_, picture)| picture.bytes() as u64);
         self.packing.written_bytes(bytes.sum())

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
 impl Call {
-    pub fn render_batch(
+    pub(super) fn render_batch(
         &self,
         mut params: FrameBatchParams,
     ) -> Result<impl FnOnce(Responder) + use<>, Fault> {

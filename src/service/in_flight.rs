@@ -9,13 +9,13 @@ use std::collections::VecDeque;
 pub(super) struct InFlight(VecDeque<(Id, CancelHandle)>);
 
 impl InFlight {
-    pub fn insert(&mut self, id: Id, response: &ResponseHandle) {
+    pub(super) fn insert(&mut self, id: Id, response: &ResponseHandle) {
         self.0.retain(|(_, request)| request.is_open());
         self.0.push_back((id, response.cancel_handle()));
     }
 
     /// Ends every request of that id.
-    pub fn cancel(&self, id: &Id) {
+    pub(super) fn cancel(&self, id: &Id) {
         for (_, request) in self.0.iter().filter(|(other, _)| other == id) {
             request.cancel();
         }

@@ -15,7 +15,7 @@ use crate::rig::{Mesh, Rig};
 use std::sync::Arc;
 
 impl Call {
-    pub fn vertices(
+    pub(super) fn vertices(
         &self,
         params: wire::VerticesParams,
     ) -> Result<impl FnOnce(Responder) + use<>, Fault> {
@@ -57,7 +57,7 @@ impl Call {
         })
     }
 
-    pub fn topology(
+    pub(super) fn topology(
         &self,
         params: &wire::TopologyParams,
     ) -> Result<impl FnOnce(Responder) + use<>, Fault> {

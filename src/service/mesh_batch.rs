@@ -15,7 +15,7 @@ use serde::Serialize;
 use std::sync::Arc;
 
 impl Call {
-    pub fn vertices_batch(
+    pub(super) fn vertices_batch(
         &self,
         mut params: MeshBatchParams,
     ) -> Result<impl FnOnce(Responder) + use<>, Fault> {

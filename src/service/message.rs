@@ -59,7 +59,7 @@ pub(super) struct Payload {
 impl Payload {
     /// # Errors
     /// Where the result cannot be JSON: a map with keys that are no strings.
-    pub fn new<R: Serialize>(
+    pub(super) fn new<R: Serialize>(
         result: &R,
         attachments: Attachments,
         permit: Option<Permit>,

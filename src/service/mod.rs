@@ -39,4 +39,3 @@ pub use prepared_frame::Subject;
 pub use response::ResponseHandle;
 pub use session::{Request, Session};
 pub use state::Service;
-pub use stats::Stats;

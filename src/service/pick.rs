@@ -18,7 +18,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 impl Call {
-    pub fn pick(&self, params: &wire::PickParams) -> Result<impl FnOnce(Responder) + use<>, Fault> {
+    pub(super) fn pick(
+        &self,
+        params: &wire::PickParams,
+    ) -> Result<impl FnOnce(Responder) + use<>, Fault> {
         let frame = params.frame();
         let found = self.engine().rig(&frame.rig)?;
         let rig = Arc::clone(&found.loaded.rig);

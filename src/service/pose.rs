@@ -11,7 +11,7 @@ use crate::protocol::{Done, Fault, FieldFault};
 use glam::{DMat4, DQuat, DVec3};
 
 impl Call {
-    pub fn get_pose(&self, params: &RigParams) -> Result<wire::StoredPose, Fault> {
+    pub(super) fn get_pose(&self, params: &RigParams) -> Result<wire::StoredPose, Fault> {
         let RigRef { loaded, stored, .. } = self.engine().rig(&params.rig)?;
         let rig = &loaded.rig;
         let names = rig.dofs().all().iter().map(|dof| dof.name.clone());
@@ -31,7 +31,10 @@ impl Call {
         })
     }
 
-    pub fn set_pose(&self, params: wire::PoseSetParams) -> Result<wire::PoseSetResult, Fault> {
+    pub(super) fn set_pose(
+        &self,
+        params: wire::PoseSetParams,
+    ) -> Result<wire::PoseSetResult, Fault> {
         let (loaded, clamped) = self.engine().set_pose::<Fault>(&params.rig, |current| {
             let pose = self.prepare_pose(params.pose, current)?;
             Ok(pose.change(current).map_err(of_pose)?)
@@ -41,12 +44,15 @@ impl Call {
         })
     }
 
-    pub fn reset_pose(&self, params: &RigParams) -> Result<Done, Fault> {
+    pub(super) fn reset_pose(&self, params: &RigParams) -> Result<Done, Fault> {
         self.engine().reset_pose(&params.rig)?;
         Ok(Done {})
     }
 
-    pub fn rotate_pose(&self, params: &wire::RotateParams) -> Result<wire::PoseSetResult, Fault> {
+    pub(super) fn rotate_pose(
+        &self,
+        params: &wire::RotateParams,
+    ) -> Result<wire::PoseSetResult, Fault> {
         let axis = DVec3::from_array(params.axis);
         if axis == DVec3::ZERO {
             let problem = "expected a direction, but found a vector of length 0";
@@ -61,7 +67,10 @@ impl Call {
         })
     }
 
-    pub fn roll_pose(&self, params: &wire::RollParams) -> Result<wire::PoseSetResult, Fault> {
+    pub(super) fn roll_pose(
+        &self,
+        params: &wire::RollParams,
+    ) -> Result<wire::PoseSetResult, Fault> {
         self.turn(&params.rig, &params.joint, params.limits, |pose, joint| {
             let no_bone = || FieldFault::new("joint", "the joint has no bone to roll about");
             let axis = pose.roll_axis(joint).ok_or_else(no_bone)?;
@@ -98,7 +107,7 @@ impl Call {
         })
     }
 
-    pub fn joint_transforms(
+    pub(super) fn joint_transforms(
         &self,
         params: wire::TransformsParams,
     ) -> Result<wire::Transforms, Fault> {
@@ -119,7 +128,7 @@ impl Call {
     }
 
     /// The `pose` of a request.
-    pub fn prepare_pose(
+    pub(super) fn prepare_pose(
         &self,
         pose: wire::Pose,
         found: &RigRef,

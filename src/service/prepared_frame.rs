@@ -50,7 +50,7 @@ pub struct Subject {
 }
 
 impl Call {
-    pub fn prepare_frame(
+    pub(super) fn prepare_frame(
         &self,
         mut params: wire::FrameParams,
         rig: &Arc<RigRef>,
@@ -60,7 +60,7 @@ impl Call {
     }
 
     /// The same in a pose that `pose` prepares, after everything else is checked; that of `params` is passed over.
-    pub fn prepare_frame_in(
+    pub(super) fn prepare_frame_in(
         &self,
         params: &wire::FrameParams,
         rig: &Arc<RigRef>,
@@ -85,12 +85,12 @@ impl Call {
 }
 
 impl PreparedFrame {
-    pub fn pixels(&self) -> u64 {
+    pub(super) fn pixels(&self) -> u64 {
         self.scene.size.pixels() as u64
     }
 
     /// Bytes of its pictures as they are written, as far as they are known before they are drawn.
-    pub fn least_bytes(&self) -> u64 {
+    pub(super) fn least_bytes(&self) -> u64 {
         let bytes = |kind: &ImageKind| kind.bytes(self.scene.size) as u64;
         match self.packing.image {
             wire::ImageFormat::Rgba8 => {
@@ -103,7 +103,7 @@ impl PreparedFrame {
     }
 
     /// Works the pose out. A fault is as seen from the pose.
-    pub fn evaluate(&self) -> Result<Subject, FieldFault> {
+    pub(super) fn evaluate(&self) -> Result<Subject, FieldFault> {
         let EvaluatedPose { posed, clamped } = self.pose.evaluate(&self.rig)?;
         let mut scene = self.scene.clone();
         if self.has_lights_of_file {
@@ -140,7 +140,7 @@ impl Subject {
 
 impl Packing {
     /// Bytes of packed pictures as they are written.
-    pub fn written_bytes(self, bytes: u64) -> u64 {
+    pub(super) fn written_bytes(self, bytes: u64) -> u64 {
         match self.transport {
             PictureTransport::Attach => bytes,
             // Themselves, and as text.

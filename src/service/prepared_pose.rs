@@ -34,7 +34,11 @@ pub(super) struct PreparedPose {
 
 impl PreparedPose {
     /// `attached` are the raw bytes of the request.
-    pub fn new(pose: wire::Pose, attached: &Bytes, found: &RigRef) -> Result<Self, FieldFault> {
+    pub(super) fn new(
+        pose: wire::Pose,
+        attached: &Bytes,
+        found: &RigRef,
+    ) -> Result<Self, FieldFault> {
         let rig = &found.loaded.rig;
         let base = match pose.base {
             Some(wire::PoseBase::Stored) => Base::Stored,
@@ -72,7 +76,7 @@ impl PreparedPose {
     }
 
     /// The same pose with every DOF set besides. A fault is as seen from the row.
-    pub fn with_row(&self, row: DofRow, rig: &Rig) -> Result<Self, FieldFault> {
+    pub(super) fn with_row(&self, row: DofRow, rig: &Rig) -> Result<Self, FieldFault> {
         Ok(Self {
             row: Some(checked(row, rig)?),
             ..self.clone()
@@ -80,7 +84,7 @@ impl PreparedPose {
     }
 
     /// Whether limits allow it: all that can be told without working it out.
-    pub fn check(&self, found: &RigRef) -> Result<(), FieldFault> {
+    pub(super) fn check(&self, found: &RigRef) -> Result<(), FieldFault> {
         if self.edit.limits != LimitPolicy::Reject {
             return Ok(());
         }
@@ -90,7 +94,7 @@ impl PreparedPose {
     }
 
     /// Works it out.
-    pub fn evaluate(&self, found: &RigRef) -> Result<EvaluatedPose, FieldFault> {
+    pub(super) fn evaluate(&self, found: &RigRef) -> Result<EvaluatedPose, FieldFault> {
         let posed = found.posed(self.base, &self.edit());
         let (posed, clamped) = posed.map_err(|error| self.located(error, found))?;
         Ok(EvaluatedPose {
@@ -100,7 +104,7 @@ impl PreparedPose {
     }
 
     /// What it makes of the stored pose.
-    pub fn change(&self, current: &RigRef) -> Result<ChangedPose, FieldFault> {
+    pub(super) fn change(&self, current: &RigRef) -> Result<ChangedPose, FieldFault> {
         let changed = current.changed(self.base, &self.edit());
         changed.map_err(|error| self.located(error, current))
     }

@@ -122,6 +122,7 @@ impl ResponseHandle {
     }
 
     /// Blocks until there is a response, and passes over what goes ahead of it.
+    #[cfg(any(test, feature = "test-support"))]
     pub fn wait(self) -> Response {
         loop {
             let message = self.wait_message(Duration::from_secs(60));
@@ -164,13 +165,13 @@ impl Drop for ResponseHandle {
 }
 
 impl CancelHandle {
-    pub fn is_open(&self) -> bool {
+    pub(super) fn is_open(&self) -> bool {
         self.slot
             .upgrade()
             .is_some_and(|slot| !slot.lock().is_answered)
     }
 
-    pub fn cancel(&self) {
+    pub(super) fn cancel(&self) {
         if let Some(slot) = self.slot.upgrade() {
             slot.fail(Fault::Cancelled);
         }
@@ -179,12 +180,12 @@ impl CancelHandle {
 
 impl StreamSender {
     /// The `id` of the request.
-    pub fn request(&self) -> &Id {
+    pub(super) fn request(&self) -> &Id {
         &self.slot.id
     }
 
     /// Once there is a response, or nobody waits for one, the notification is dropped.
-    pub fn send(&self, notification: Notification) {
+    pub(super) fn send(&self, notification: Notification) {
         let mut state = self.slot.lock();
         if state.is_answered || state.is_abandoned {
             drop(state);
@@ -197,13 +198,13 @@ impl StreamSender {
 
 impl Responder {
     /// `None` once there is a response.
-    pub fn stream(&self) -> Option<StreamSender> {
+    pub(super) fn stream(&self) -> Option<StreamSender> {
         self.slot.as_ref().map(|slot| StreamSender {
             slot: Arc::clone(slot),
         })
     }
 
-    pub fn respond(mut self, outcome: Result<Payload, Fault>) {
+    pub(super) fn respond(mut self, outcome: Result<Payload, Fault>) {
         let Some(slot) = self.slot.take() else { return };
         match outcome {
             Ok(payload) => slot.succeed(payload),

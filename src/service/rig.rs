@@ -10,7 +10,7 @@ use crate::protocol::{Done, Fault, FieldFault, FieldPath};
 const LONGEST_NAME: usize = 256;
 
 impl Call {
-    pub fn load(&self, params: LoadParams) -> Result<RigSummary, Fault> {
+    pub(super) fn load(&self, params: LoadParams) -> Result<RigSummary, Fault> {
         let LoadParams {
             name,
             files,
@@ -30,12 +30,12 @@ impl Call {
         Ok(describe::summary(&loaded))
     }
 
-    pub fn unload(&self, params: &RigParams) -> Result<Done, Fault> {
+    pub(super) fn unload(&self, params: &RigParams) -> Result<Done, Fault> {
         self.engine().unload(&params.rig)?;
         Ok(Done {})
     }
 
-    pub fn list(&self) -> RigList {
+    pub(super) fn list(&self) -> RigList {
         RigList {
             rigs: self
                 .engine()
@@ -46,7 +46,7 @@ impl Call {
         }
     }
 
-    pub fn describe(&self, params: &RigParams) -> Result<RigDescription, Fault> {
+    pub(super) fn describe(&self, params: &RigParams) -> Result<RigDescription, Fault> {
         Ok(describe::description(&self.engine().rig(&params.rig)?))
     }
 

@@ -19,7 +19,7 @@ use std::collections::BTreeSet;
 
 impl Call {
     /// `rig` is what the default camera frames. Lights of its file are left out: they depend on the pose, and evaluating a frame adds them.
-    pub fn scene(
+    pub(super) fn scene(
         &self,
         params: &wire::FrameParams,
         rig: &LoadedRig,

@@ -7,7 +7,7 @@ use crate::protocol::PROTOCOL_VERSION;
 use crate::protocol::server as wire;
 
 impl Call {
-    pub fn info(&self) -> wire::ServerInfo {
+    pub(super) fn info(&self) -> wire::ServerInfo {
         let engine = self.engine();
         let adapter = engine.adapter();
         let limits = engine
@@ -38,7 +38,7 @@ impl Call {
         }
     }
 
-    pub fn stats(&self) -> wire::ServerStats {
+    pub(super) fn stats(&self) -> wire::ServerStats {
         let engine = self.engine();
         wire::ServerStats {
             queue_depth: engine.admission().depth(),

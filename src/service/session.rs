@@ -4,7 +4,9 @@
 use super::call::Call;
 use super::dispatch::Dispatch;
 use super::in_flight::InFlight;
-use super::message::{Permit, Response};
+use super::message::Permit;
+#[cfg(any(test, feature = "test-support"))]
+use super::message::Response;
 use super::response::{ResponseHandle, response};
 use super::state::Service;
 use crate::engine::{Cancellation, ConnectionQuota};
@@ -44,6 +46,7 @@ impl Service {
     }
 
     /// Answers one request and waits for it. `None` for a notification.
+    #[cfg(any(test, feature = "test-support"))]
     pub fn answer(self: &Arc<Self>, request: Request) -> Option<Response> {
         self.session().begin(request).map(ResponseHandle::wait)
     }

@@ -38,12 +38,12 @@ pub(super) struct PreparedVertices {
 
 impl PreparedVertices {
     /// Bytes until it is written.
-    pub fn bytes(&self) -> u64 {
+    pub(super) fn bytes(&self) -> u64 {
         BYTES_PER_BYTE * self.bare_bytes(24)
     }
 
     /// Bytes as it is written.
-    pub fn written_bytes(&self) -> u64 {
+    pub(super) fn written_bytes(&self) -> u64 {
         let normals = self.queries.iter().any(|query| query.normals);
         let bare = self.bare_bytes(12 * (usize::from(self.positions) + usize::from(normals)));
         match self.transport {
@@ -68,7 +68,7 @@ impl PreparedVertices {
 
 impl Call {
     /// Skins what is asked for in a pose, and packs it. `done` runs once.
-    pub fn skin(
+    pub(super) fn skin(
         &self,
         asked: Arc<PreparedVertices>,
         pose: EvaluatedPose,
@@ -124,7 +124,7 @@ pub(super) struct PackedVertices {
 
 impl PackedVertices {
     /// Its bytes go into `attachments` where they are to be attached.
-    pub fn sent(self, attachments: &mut Attachments) -> MeshItem {
+    pub(super) fn sent(self, attachments: &mut Attachments) -> MeshItem {
         let Self {
             asked,
             skinned,

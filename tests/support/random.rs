@@ -2,7 +2,7 @@
 //! Never lives here: what is done with them.
 
 /// SplitMix64.
-pub struct Random(pub u64);
+pub(crate) struct Random(pub u64);
 
 #[allow(dead_code, reason = "each test uses a part")]
 impl Random {
@@ -14,22 +14,22 @@ impl Random {
         bits ^ (bits >> 31)
     }
 
-    pub fn below(&mut self, end: usize) -> usize {
+    pub(crate) fn below(&mut self, end: usize) -> usize {
         (self.bits() % end as u64) as usize
     }
 
     /// From 0 to below 1.
-    pub fn unit(&mut self) -> f64 {
+    pub(crate) fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
     /// From `-most` to `most`.
-    pub fn within(&mut self, most: f64) -> f64 {
+    pub(crate) fn within(&mut self, most: f64) -> f64 {
         ((self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0) * most
     }
 
     /// Within a cube from -1 to 1.
-    pub fn point(&mut self) -> [f64; 3] {
+    pub(crate) fn point(&mut self) -> [f64; 3] {
         [0; 3].map(|_| self.within(1.0))
     }
 }

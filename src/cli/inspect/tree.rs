@@ -21,7 +21,7 @@ const MOST_LEVELS: usize = 40;
 
 impl Tree {
     /// Its number, to be the parent of others.
-    pub fn push(&mut self, parent: Option<usize>, line: String) -> usize {
+    pub(super) fn push(&mut self, parent: Option<usize>, line: String) -> usize {
         let index = self.nodes.len();
         match parent {
             Some(parent) => self.nodes[parent].children.push(index),
@@ -35,15 +35,15 @@ impl Tree {
         index
     }
 
-    pub fn note(&mut self, node: usize, line: String) {
+    pub(super) fn note(&mut self, node: usize, line: String) {
         self.nodes[node].notes.push(one_line(line));
     }
 
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
 
-    pub fn write(&self, text: &mut String) -> std::fmt::Result {
+    pub(super) fn write(&self, text: &mut String) -> std::fmt::Result {
         let mut waiting = Vec::new();
         stack(&mut waiting, &self.roots, 0, "");
         while let Some(Waiting {

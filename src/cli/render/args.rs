@@ -119,7 +119,7 @@ pub(in crate::cli) struct PoseArgs {
 
 impl PoseArgs {
     /// Whether a sequence of pictures lets the clip run, not stand still at a time.
-    pub fn plays_clip(&self) -> bool {
+    pub(crate) fn plays_clip(&self) -> bool {
         self.clip.is_some() && self.time.is_none()
     }
 }

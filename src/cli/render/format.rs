@@ -12,7 +12,7 @@ pub(super) enum Format {
 }
 
 impl Format {
-    pub fn of(output: &Destination) -> anyhow::Result<Self> {
+    pub(super) fn of(output: &Destination) -> anyhow::Result<Self> {
         let Destination::File(path) = output else {
             return Ok(Self::Png);
         };

@@ -40,7 +40,7 @@ enum Animation {
 }
 
 impl Reel {
-    pub fn new(terms: Terms, size: Size) -> Self {
+    pub(super) fn new(terms: Terms, size: Size) -> Self {
         Self {
             terms,
             size,
@@ -51,7 +51,7 @@ impl Reel {
     }
 
     /// What is to be made of a frame, on any thread, before it is pushed: a PNG file, or bare pixels for an animation.
-    pub fn packing(&self) -> impl FnOnce(Raster) -> Result<Vec<u8>, Fault> + Send + use<> {
+    pub(super) fn packing(&self) -> impl FnOnce(Raster) -> Result<Vec<u8>, Fault> + Send + use<> {
         let (format, compression) = (self.terms.format, self.terms.compression);
         move |frame| match format {
             Format::Png => encode::png(&frame, compression).map_err(|error| Fault::Internal {
@@ -62,7 +62,7 @@ impl Reel {
     }
 
     /// `picture` is as [`Reel::packing`] makes it.
-    pub fn push(&mut self, picture: Vec<u8>) -> anyhow::Result<()> {
+    pub(super) fn push(&mut self, picture: Vec<u8>) -> anyhow::Result<()> {
         let (number, size) = (self.taken, self.size);
         self.taken += 1;
         match (&self.terms.output, self.terms.format) {
@@ -85,7 +85,7 @@ impl Reel {
     }
 
     /// Gives the files their names, and says what was written, where that is not on standard output.
-    pub fn finish(mut self) -> anyhow::Result<Option<String>> {
+    pub(super) fn finish(mut self) -> anyhow::Result<Option<String>> {
         let Destination::File(output) = &self.terms.output else {
             return Ok(None);
         };

@@ -72,7 +72,7 @@ struct Turntable {
 }
 
 impl Shots {
-    pub fn new(
+    pub(super) fn new(
         args: &RenderArgs,
         motion: Motion,
         rate: FrameRate,
@@ -114,12 +114,12 @@ impl Shots {
         })
     }
 
-    pub fn count(&self) -> u32 {
+    pub(super) fn count(&self) -> u32 {
         self.count
     }
 
     /// What to ask for the frame of that index.
-    pub fn request(&self, index: u32) -> FrameParams {
+    pub(super) fn request(&self, index: u32) -> FrameParams {
         let mut request = self.request.clone();
         let mut view = self.view.clone();
         if let Some(turntable) = self.turntable {

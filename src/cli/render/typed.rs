@@ -87,12 +87,12 @@ pub(super) struct Clamps<'a> {
 }
 
 impl<'a> Clamps<'a> {
-    pub fn new(args: &'a RenderArgs, rig: &'a RigDescription) -> Self {
+    pub(super) fn new(args: &'a RenderArgs, rig: &'a RigDescription) -> Self {
         let told = BTreeSet::new();
         Self { args, rig, told }
     }
 
-    pub fn tell(&mut self, found: &[Clamped], warnings: &mut Warnings) {
+    pub(super) fn tell(&mut self, found: &[Clamped], warnings: &mut Warnings) {
         for Clamped { dof, asked, used } in found {
             if self.told.insert(dof.clone()) {
                 let (asked, used) = (self.show(dof, *asked), self.show(dof, *used));

@@ -68,7 +68,7 @@ impl CameraArgs {
 
 impl View {
     /// As a request has it. `rest` is what the rig takes up at rest.
-    pub fn camera(&self, rest: &Bounds) -> Camera {
+    pub(super) fn camera(&self, rest: &Bounds) -> Camera {
         let height = match self.lens {
             Lens::Orthographic { height } => height,
             Lens::Perspective { fov_y } => {

@@ -29,7 +29,7 @@ struct Shared {
 const HEAVY: usize = 1 << 18;
 
 impl CpuWorker {
-    pub fn new(cpu: Cpu, pool: Arc<Pool>) -> Self {
+    pub(super) fn new(cpu: Cpu, pool: Arc<Pool>) -> Self {
         Self(Arc::new(Shared {
             cpu,
             pool,

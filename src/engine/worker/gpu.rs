@@ -40,7 +40,7 @@ struct Gauges {
 }
 
 impl GpuWorker {
-    pub fn start(gpu: Gpu, pool: Arc<Pool>) -> Result<Self, AdapterError> {
+    pub(super) fn start(gpu: Gpu, pool: Arc<Pool>) -> Result<Self, AdapterError> {
         let adapter = gpu.adapter().to_string();
         let (messages, inbox) = channel();
         let gauges = Arc::new(Gauges::default());

@@ -66,7 +66,7 @@ pub(in crate::engine) struct Reply {
 }
 
 impl Reply {
-    pub fn send(mut self, result: Result<(Outputs, Timings), EngineError>) {
+    pub(crate) fn send(mut self, result: Result<(Outputs, Timings), EngineError>) {
         self.answer(result);
     }
 
@@ -85,7 +85,7 @@ impl Drop for Reply {
 }
 
 impl Job {
-    pub fn new(plan: Plan, context: JobContext, done: Answered) -> Self {
+    pub(crate) fn new(plan: Plan, context: JobContext, done: Answered) -> Self {
         let JobContext {
             cancellation,
             ticket,

@@ -43,7 +43,7 @@ pub(super) struct Computation(u64);
 
 impl SkinCache {
     /// The skins that the picture of a job shows.
-    pub fn look_up(&self, job: Job) -> Lookup {
+    pub(super) fn look_up(&self, job: Job) -> Lookup {
         let skins: Vec<Skin> = job.plan.drawn_skins().cloned().collect();
         let mut state = self.lock();
         state.entries.retain(|entry| match &entry.state {
@@ -82,7 +82,7 @@ impl SkinCache {
     }
 
     /// Vertices that are there already and have those of a skin among them.
-    pub fn ready(&self, skin: &Skin) -> Option<Arc<Skinned>> {
+    pub(super) fn ready(&self, skin: &Skin) -> Option<Arc<Skinned>> {
         let state = self.lock();
         let ready = state.entries.iter().filter_map(|entry| match &entry.state {
             EntryState::Ready(skinned) if entry.skins.contains(skin) => skinned.upgrade(),
@@ -92,7 +92,7 @@ impl SkinCache {
     }
 
     /// Whether any job waits for it.
-    pub fn is_awaited(&self, computation: &Computation) -> bool {
+    pub(super) fn is_awaited(&self, computation: &Computation) -> bool {
         self.lock().entries.iter().any(|entry| {
             entry.id == computation.0
                 && matches!(&entry.state, EntryState::Computing { waiting } if !waiting.is_empty())
@@ -100,7 +100,11 @@ impl SkinCache {
     }
 
     /// Gives back the jobs that wait. Without vertices they have to look up anew.
-    pub fn complete(&self, computation: &Computation, skinned: Option<&Arc<Skinned>>) -> Vec<Job> {
+    pub(super) fn complete(
+        &self,
+        computation: &Computation,
+        skinned: Option<&Arc<Skinned>>,
+    ) -> Vec<Job> {
         let mut state = self.lock();
         let index = state.entries.iter().position(|it| it.id == computation.0);
         let Some(entry) = index.map(|index| state.entries.swap_remove(index)) else {
@@ -121,7 +125,7 @@ impl SkinCache {
     }
 
     /// Frees what no job has in hand.
-    pub fn sweep(&self) {
+    pub(super) fn sweep(&self) {
         self.lock().last = None;
     }
 

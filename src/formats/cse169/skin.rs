@@ -55,7 +55,7 @@ pub(super) struct Skin {
 
 impl Skin {
     /// `texture` looks up the texture of its material.
-    pub fn into_part(
+    pub(super) fn into_part(
         self,
         is_bound: bool,
         texture: impl FnOnce(&Mention) -> Option<Arc<Texture>>,

@@ -46,18 +46,22 @@ pub(super) struct Requirement {
 }
 
 impl<'a> Accessors<'a> {
-    pub fn accessor(&self, index: Index<Accessor>, path: &str) -> Result<&'a Accessor, LoadError> {
+    pub(super) fn accessor(
+        &self,
+        index: Index<Accessor>,
+        path: &str,
+    ) -> Result<&'a Accessor, LoadError> {
         let accessors = &self.root.accessors;
         Ok(self.faults.get(accessors, "accessors", index, path)?)
     }
 
     /// How many elements it has. `path` is that of the member which names it.
-    pub fn count(&self, index: Index<Accessor>, path: &str) -> Result<usize, LoadError> {
+    pub(super) fn count(&self, index: Index<Accessor>, path: &str) -> Result<usize, LoadError> {
         Ok(self.accessor(index, path)?.count.0 as usize)
     }
 
     /// The largest number that fits its components, which no index of a vertex may be.
-    pub fn largest_index(&self, index: Index<Accessor>) -> Option<u32> {
+    pub(super) fn largest_index(&self, index: Index<Accessor>) -> Option<u32> {
         match self.root.accessors.get(index.value())?.component_type {
             Checked::Valid(GenericComponentType(ComponentType::U8)) => Some(u8::MAX.into()),
             Checked::Valid(GenericComponentType(ComponentType::U16)) => Some(u16::MAX.into()),
@@ -66,7 +70,7 @@ impl<'a> Accessors<'a> {
     }
 
     /// All numbers of all elements, and how many an element has.
-    pub fn floats(
+    pub(super) fn floats(
         &self,
         index: Index<Accessor>,
         path: &str,
@@ -108,7 +112,7 @@ impl<'a> Accessors<'a> {
     }
 
     /// As [`Self::floats`], of elements that have so many numbers each.
-    pub fn vectors<const N: usize>(
+    pub(super) fn vectors<const N: usize>(
         &self,
         index: Index<Accessor>,
         path: &str,
@@ -120,7 +124,7 @@ impl<'a> Accessors<'a> {
     }
 
     /// Integers, not normalized.
-    pub fn integers(
+    pub(super) fn integers(
         &self,
         index: Index<Accessor>,
         path: &str,
@@ -139,7 +143,7 @@ impl<'a> Accessors<'a> {
     }
 
     /// An accessor of no bytes is zeros, but where one of these extensions may bring what it has.
-    pub fn check_brought(
+    pub(super) fn check_brought(
         &self,
         index: Index<Accessor>,
         extensions: Option<&Map<String, Value>>,

@@ -69,7 +69,7 @@ struct Sampled {
 }
 
 impl AnimationReader<'_> {
-    pub fn read(
+    pub(super) fn read(
         &mut self,
         index: usize,
         animation: &Animation,

@@ -41,7 +41,7 @@ pub(super) struct VertexReader<'a> {
 }
 
 impl VertexReader<'_> {
-    pub fn vectors<const N: usize>(
+    pub(super) fn vectors<const N: usize>(
         &self,
         accessor: Index<Accessor>,
         name: &str,
@@ -51,7 +51,7 @@ impl VertexReader<'_> {
         self.accessors.vectors(accessor, &path, requirement)
     }
 
-    pub fn floats(
+    pub(super) fn floats(
         &self,
         accessor: Index<Accessor>,
         name: &str,
@@ -61,7 +61,7 @@ impl VertexReader<'_> {
         self.accessors.floats(accessor, &path, requirement)
     }
 
-    pub fn integers(
+    pub(super) fn integers(
         &self,
         accessor: Index<Accessor>,
         name: &str,

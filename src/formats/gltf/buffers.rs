@@ -35,7 +35,7 @@ pub(super) struct Buffers<'a> {
 impl<'a> Buffers<'a> {
     /// # Errors
     /// Where files are too large together, or one cannot be read.
-    pub fn gather(
+    pub(super) fn gather(
         faults: Faults<'a>,
         container: &Container<'a>,
         from: &Gathered,
@@ -72,11 +72,11 @@ impl<'a> Buffers<'a> {
     }
 
     /// Of all of them; a file that several name counts once.
-    pub fn bytes(&self) -> u64 {
+    pub(super) fn bytes(&self) -> u64 {
         self.size
     }
 
-    pub fn view<'s>(
+    pub(super) fn view<'s>(
         &'s self,
         root: &Root,
         index: Index<buffer::View>,

@@ -30,7 +30,7 @@ pub(super) struct Strided<'b> {
 
 impl Strided<'_> {
     /// `size` bytes each, as many as are asked for.
-    pub fn iter(&self, size: usize) -> impl Iterator<Item = &[u8]> {
+    pub(super) fn iter(&self, size: usize) -> impl Iterator<Item = &[u8]> {
         let bytes = &self.view.bytes[self.offset..];
         (0..).map(move |index| &bytes[index * self.stride..][..size])
     }
@@ -38,7 +38,7 @@ impl Strided<'_> {
 
 impl Elements<'_> {
     /// Every element that is not all 0, as its bytes; one that differs from its base comes twice.
-    pub fn each(&self, mut take: impl FnMut(usize, &[u8])) {
+    pub(super) fn each(&self, mut take: impl FnMut(usize, &[u8])) {
         let size = self.width * component_size(self.component);
         // Columns of matrices of bytes and shorts would be padded; no such matrix is ever asked for.
         if let Some(base) = &self.base {

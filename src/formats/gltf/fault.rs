@@ -18,12 +18,12 @@ pub(super) struct Faults<'a> {
 }
 
 impl Faults<'_> {
-    pub fn whole(self, expected: impl Into<String>, found: impl Into<String>) -> FileFault {
+    pub(super) fn whole(self, expected: impl Into<String>, found: impl Into<String>) -> FileFault {
         FileFault::whole(self.file, expected, found)
     }
 
     /// `path` leads to the member: `accessors[3].count`.
-    pub fn at(
+    pub(super) fn at(
         self,
         path: &str,
         expected: impl Into<String>,
@@ -32,7 +32,7 @@ impl Faults<'_> {
         self.whole(format!("{path}: {}", expected.into()), found)
     }
 
-    pub fn load(
+    pub(super) fn load(
         self,
         path: &str,
         expected: impl Into<String>,
@@ -42,7 +42,7 @@ impl Faults<'_> {
     }
 
     /// What an index leads to in a list of that name.
-    pub fn get<'r, T>(
+    pub(super) fn get<'r, T>(
         self,
         list: &'r [T],
         name: &str,
@@ -60,7 +60,7 @@ impl Faults<'_> {
     }
 
     /// A word or number that is one of a few.
-    pub fn valid<T: Copy>(
+    pub(super) fn valid<T: Copy>(
         self,
         value: Checked<T>,
         path: &str,
@@ -73,13 +73,13 @@ impl Faults<'_> {
     }
 
     /// What stands at a path.
-    pub fn found(self, path: &str) -> String {
+    pub(super) fn found(self, path: &str) -> String {
         let found = self.json.and_then(|json| member(json, path));
         found.map_or_else(|| "another".to_owned(), |it| quoted(&it.to_string()))
     }
 
     /// What a file calls something; one that is too long is cut. Names come again in every description of a rig, and in messages.
-    pub fn name(self, name: Option<&str>, path: &str, warnings: &mut Warnings) -> String {
+    pub(super) fn name(self, name: Option<&str>, path: &str, warnings: &mut Warnings) -> String {
         let name = name.unwrap_or_default();
         if name.len() <= NAME_BYTES {
             return name.to_owned();
@@ -90,7 +90,7 @@ impl Faults<'_> {
         name[..end.unwrap_or_default()].to_owned()
     }
 
-    pub fn warning(self, sentence: &str) -> String {
+    pub(super) fn warning(self, sentence: &str) -> String {
         format!("{}: {sentence}", self.file)
     }
 }

@@ -127,7 +127,7 @@ pub(super) fn add(
 
 impl Violations {
     /// A warning each, of the primitive at `path`.
-    pub fn warn(self, faults: Faults<'_>, path: &str, warnings: &mut Warnings) {
+    pub(super) fn warn(self, faults: Faults<'_>, path: &str, warnings: &mut Warnings) {
         for (count, what) in [
             (
                 self.without_skin,

@@ -51,7 +51,7 @@ pub(super) struct Materials<'a> {
 
 impl<'a> Materials<'a> {
     /// Adds all materials of the file to the draft, in its order.
-    pub fn read(
+    pub(super) fn read(
         accessors: Accessors<'a>,
         from: &'a Gathered,
         files: &mut Files<'_>,
@@ -88,12 +88,12 @@ impl<'a> Materials<'a> {
         self.left_out.insert(index, fault);
     }
 
-    pub fn is_left_out(&self, material: usize) -> bool {
+    pub(super) fn is_left_out(&self, material: usize) -> bool {
         self.left_out.contains_key(&material)
     }
 
     /// Where in the draft a primitive's material is.
-    pub fn index(
+    pub(super) fn index(
         &mut self,
         material: Option<Index<gltf_json::Material>>,
         path: &str,
@@ -118,12 +118,12 @@ impl<'a> Materials<'a> {
         }
     }
 
-    pub fn is_textured(&self, material: usize) -> bool {
+    pub(super) fn is_textured(&self, material: usize) -> bool {
         self.sets[material].is_some()
     }
 
     /// Which texture coordinates its textures lie on.
-    pub fn texcoord_set(&self, material: usize) -> u32 {
+    pub(super) fn texcoord_set(&self, material: usize) -> u32 {
         self.sets[material].unwrap_or_default()
     }
 

@@ -48,7 +48,7 @@ pub(super) struct Totals {
 
 impl MeshReader<'_, '_> {
     /// Adds the mesh of every node of the scene that has one, in the order of joints.
-    pub fn read(&mut self) -> Result<(), LoadError> {
+    pub(super) fn read(&mut self) -> Result<(), LoadError> {
         let root = self.accessors.root;
         for (joint, &index) in self.nodes.node_of.iter().enumerate() {
             let node = &root.nodes[index];

@@ -68,17 +68,17 @@ impl Forest {
         }
     }
 
-    pub fn has_parent(&self, node: usize) -> bool {
+    pub(super) fn has_parent(&self, node: usize) -> bool {
         self.parents.get(node).is_some_and(Option::is_some)
     }
 
     /// Whether it is this node or below it.
-    pub fn is_below(&self, node: usize, top: usize) -> bool {
+    pub(super) fn is_below(&self, node: usize, top: usize) -> bool {
         let [start, end] = self.spans[top];
         (start..end).contains(&self.spans[node][0])
     }
 
-    pub fn top(&self, node: usize) -> usize {
+    pub(super) fn top(&self, node: usize) -> usize {
         self.tops[node]
     }
 }
@@ -88,7 +88,7 @@ impl Nodes {
     ///
     /// # Errors
     /// Where a node is below itself or has two parents, or its transform is none.
-    pub fn gather(
+    pub(super) fn gather(
         faults: Faults<'_>,
         root: &Root,
         limits: &Limits,
@@ -127,7 +127,7 @@ impl Nodes {
     }
 
     /// Of a node that is a joint or leads to a light; `None` where numbers of it or above it are not finite.
-    pub fn transform(&self, node: usize) -> Option<NodeTransform> {
+    pub(super) fn transform(&self, node: usize) -> Option<NodeTransform> {
         let joint = self.joint_of[node].map(|joint| NodeTransform {
             joint: Some(joint),
             joint_from_node: DAffine3::IDENTITY,

@@ -26,7 +26,7 @@ pub(super) struct Skins<'a> {
 }
 
 impl<'a> Skins<'a> {
-    pub fn new(accessors: Accessors<'a>) -> Self {
+    pub(super) fn new(accessors: Accessors<'a>) -> Self {
         Self {
             accessors,
             known: HashMap::new(),
@@ -35,7 +35,7 @@ impl<'a> Skins<'a> {
     }
 
     /// The bindings of a skin, one for each of its joints.
-    pub fn bindings(
+    pub(super) fn bindings(
         &mut self,
         skin: Index<Skin>,
         nodes: &Nodes,
@@ -95,7 +95,7 @@ impl<'a> Skins<'a> {
     }
 
     /// Warns of what is wrong with the matrices of skins that nothing follows.
-    pub fn check_unused(&self, warnings: &mut Warnings) -> Result<(), LoadError> {
+    pub(super) fn check_unused(&self, warnings: &mut Warnings) -> Result<(), LoadError> {
         let Accessors { faults, root, .. } = self.accessors;
         for (index, skin) in root.skins.iter().enumerate() {
             if self.read.contains_key(&index) {
@@ -122,7 +122,7 @@ impl<'a> Skins<'a> {
     }
 
     /// What follows a joint as if it were modelled in the joint's own space.
-    pub fn rigid(&mut self, joint: usize, draft: &mut Draft) -> u32 {
+    pub(super) fn rigid(&mut self, joint: usize, draft: &mut Draft) -> u32 {
         self.binding(joint, DAffine3::IDENTITY, draft)
     }
 

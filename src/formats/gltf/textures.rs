@@ -43,7 +43,7 @@ pub(super) struct TextureRef {
 }
 
 impl<'a> Textures<'a> {
-    pub fn new(accessors: Accessors<'a>, from: &'a Gathered, limits: &'a Limits) -> Self {
+    pub(super) fn new(accessors: Accessors<'a>, from: &'a Gathered, limits: &'a Limits) -> Self {
         Self {
             accessors,
             from,
@@ -54,7 +54,7 @@ impl<'a> Textures<'a> {
     }
 
     /// A texture and how it is laid on a surface. `None` where its picture cannot be had.
-    pub fn slot(
+    pub(super) fn slot(
         &mut self,
         named: &TextureRef,
         (encoding, alpha): Decoding,
@@ -199,7 +199,7 @@ impl<'a> Textures<'a> {
 }
 
 impl TextureRef {
-    pub fn color(info: &gltf_json::texture::Info) -> Self {
+    pub(super) fn color(info: &gltf_json::texture::Info) -> Self {
         let transform = info
             .extensions
             .as_ref()
@@ -216,7 +216,7 @@ impl TextureRef {
     }
 
     /// The library leaves the extensions of this one as they are.
-    pub fn normals(info: &gltf_json::material::NormalTexture) -> Self {
+    pub(super) fn normals(info: &gltf_json::material::NormalTexture) -> Self {
         let extensions = info.extensions.as_ref();
         let transform = extensions.and_then(|it| it.others.get("KHR_texture_transform"));
         let number = |value: Option<&Value>, otherwise: f64| {

@@ -23,7 +23,7 @@ pub(super) struct Variants<'a> {
 
 impl<'a> Variants<'a> {
     /// Adds their names to the draft.
-    pub fn read(faults: Faults<'a>, root: &Root, draft: &mut Draft) -> Self {
+    pub(super) fn read(faults: Faults<'a>, root: &Root, draft: &mut Draft) -> Self {
         let listed = root.extensions.as_ref();
         let listed = listed.and_then(|it| it.others.get(VARIANTS)?.get("variants")?.as_array());
         let listed = listed.map_or(&[][..], Vec::as_slice);
@@ -52,7 +52,7 @@ impl<'a> Variants<'a> {
     }
 
     /// `(variant, material of the file)` as the primitive at `path` has them.
-    pub fn of_primitive(
+    pub(super) fn of_primitive(
         &self,
         primitive: &Primitive,
         path: &str,

@@ -21,7 +21,7 @@ pub(super) struct Above {
 }
 
 impl Corner {
-    pub fn read<'a>(
+    pub(super) fn read<'a>(
         word: Token<'a>,
         above: Above,
         lexer: &Lexer<'a>,

@@ -52,7 +52,7 @@ impl DrawVertices {
     ///
     /// # Errors
     /// At the first copy too many, where the file has `vertex_count` vertices so far.
-    pub fn of_corner(
+    pub(super) fn of_corner(
         &mut self,
         vertex: u32,
         corner: CornerAttributes,
@@ -77,12 +77,12 @@ impl DrawVertices {
     }
 
     /// Adds a face to what is smooth in its group at one of its vertices.
-    pub fn add_to_group(&mut self, vertex: u32, group: u32, area_vector: DVec3) {
+    pub(super) fn add_to_group(&mut self, vertex: u32, group: u32, area_vector: DVec3) {
         *self.groups.entry((vertex, group)).or_default() += area_vector;
     }
 
     /// `triangles` name draw vertices as [`of_corner`](Self::of_corner) gave them, and are renumbered.
-    pub fn finish(mut self, vertex_count: usize, triangles: &mut [[u32; 3]]) -> Split {
+    pub(super) fn finish(mut self, vertex_count: usize, triangles: &mut [[u32; 3]]) -> Split {
         self.first.resize(vertex_count, None);
         let moved = self.set_apart();
         if !self.copies.is_empty() {

@@ -21,7 +21,7 @@ pub(super) struct Oddities<'a> {
 }
 
 impl Oddities<'_> {
-    pub fn warn(&self, lexer: &Lexer, warnings: &mut Warnings) {
+    pub(super) fn warn(&self, lexer: &Lexer, warnings: &mut Warnings) {
         let mut found = [
             (
                 self.unknown,

@@ -26,7 +26,7 @@ impl Triangulator {
     /// few seconds.
     const WORK: u64 = 1 << 28;
 
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self {
             work_left: Self::WORK,
         }
@@ -36,7 +36,10 @@ impl Triangulator {
     ///
     /// # Errors
     /// Where only [`fan`] is left.
-    pub fn triangulate(&mut self, corners: &[Vec3]) -> Result<Vec<[usize; 3]>, NotTriangulated> {
+    pub(super) fn triangulate(
+        &mut self,
+        corners: &[Vec3],
+    ) -> Result<Vec<[usize; 3]>, NotTriangulated> {
         let outline = match outline(corners) {
             Some(outline) if !fan_fits(&outline) => outline,
             // Its parts cancel out.

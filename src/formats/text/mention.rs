@@ -19,7 +19,7 @@ pub(in crate::formats) struct Mentions {
 }
 
 impl Mention {
-    pub fn new(name: Token, lexer: &Lexer) -> Self {
+    pub(crate) fn new(name: Token, lexer: &Lexer) -> Self {
         Self {
             name: name.text.to_owned(),
             place: lexer.place(name),
@@ -29,7 +29,7 @@ impl Mention {
 
 impl Mentions {
     /// Returns its number among them.
-    pub fn add(&mut self, name: Token, lexer: &Lexer) -> usize {
+    pub(crate) fn add(&mut self, name: Token, lexer: &Lexer) -> usize {
         if let Some(&number) = self.numbers.get(name.text) {
             return number;
         }
@@ -39,7 +39,7 @@ impl Mentions {
         number
     }
 
-    pub fn into_inner(self) -> Vec<Mention> {
+    pub(crate) fn into_inner(self) -> Vec<Mention> {
         self.all
     }
 }

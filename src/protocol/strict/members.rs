@@ -17,7 +17,11 @@ pub(super) struct Members<'de, 's, A> {
 }
 
 impl<'s, A> Members<'_, 's, A> {
-    pub fn new(members: A, fields: Option<&'static [&'static str]>, detour: &'s Detour) -> Self {
+    pub(super) fn new(
+        members: A,
+        fields: Option<&'static [&'static str]>,
+        detour: &'s Detour,
+    ) -> Self {
         let keys = Keys {
             fields,
             seen_fields: 0,

@@ -13,7 +13,7 @@ use std::fmt::{self, Display};
 pub(super) struct Mismatch(Box<FieldFault>);
 
 impl Mismatch {
-    pub fn new(message: impl Into<String>) -> Self {
+    pub(super) fn new(message: impl Into<String>) -> Self {
         Self::at(FieldPath::default(), message)
     }
 
@@ -21,11 +21,11 @@ impl Mismatch {
         Self(Box::new(FieldFault::new(path, message)))
     }
 
-    pub fn within(self, outer: FieldPath) -> Self {
+    pub(super) fn within(self, outer: FieldPath) -> Self {
         Self(Box::new(self.0.within(outer)))
     }
 
-    pub fn into_fault(self) -> FieldFault {
+    pub(super) fn into_fault(self) -> FieldFault {
         *self.0
     }
 }
@@ -138,13 +138,13 @@ pub(super) struct Detour(Cell<Option<Mismatch>>);
 
 impl Detour {
     /// Keeps the mismatch, and gives the error to stand for it.
-    pub fn enter<E: Error>(&self, mismatch: Mismatch) -> E {
+    pub(super) fn enter<E: Error>(&self, mismatch: Mismatch) -> E {
         self.0.set(Some(mismatch));
         E::custom("")
     }
 
     /// The mismatch that `error` stands for; where it stands for none, the text is no JSON.
-    pub fn leave(&self, error: &impl Display) -> Mismatch {
+    pub(super) fn leave(&self, error: &impl Display) -> Mismatch {
         let kept = self.0.take();
         kept.unwrap_or_else(|| Mismatch::new(of_syntax(error)))
     }

@@ -20,7 +20,7 @@ pub(super) struct AlphaTest<'a, S: Simd> {
 impl<'a, S: Simd> AlphaTest<'a, S> {
     /// Of a triangle that is no line.
     #[inline(always)]
-    pub fn of(simd: S, material: &'a PartMaterial<'a>, corners: &[Corner; 3]) -> Self {
+    pub(super) fn of(simd: S, material: &'a PartMaterial<'a>, corners: &[Corner; 3]) -> Self {
         let slope = Slope::of(corners.map(|corner| corner.projected));
         Self {
             simd,

@@ -63,7 +63,7 @@ const ASK_AFTER: usize = 1 << 16;
 
 impl Chunk {
     /// Sorts the triangles of `geometry` whose numbers are in `range`.
-    pub fn fill(
+    pub(super) fn fill(
         &mut self,
         geometry: &Geometry<'_>,
         range: std::ops::Range<u32>,
@@ -147,7 +147,7 @@ impl Chunk {
     }
 
     /// What is drawn in a tile.
-    pub fn of_tile(&self, [column, row]: [u32; 2], grid: &Grid) -> OfTile<'_> {
+    pub(super) fn of_tile(&self, [column, row]: [u32; 2], grid: &Grid) -> OfTile<'_> {
         let tile = (row * grid.columns + column) as usize;
         let [start, end] = [self.starts[tile], self.starts[tile + 1]].map(|at| at as usize);
         OfTile {
@@ -167,7 +167,7 @@ pub(super) struct OfTile<'a> {
 
 impl OfTile<'_> {
     /// Those with a smaller number than `end`.
-    pub fn before(self, end: u32) -> Self {
+    pub(super) fn before(self, end: u32) -> Self {
         // Most often that is all of them.
         let few = match self.few {
             [.., last] if *last >= end => &self.few[..self.few.partition_point(|it| *it < end)],
@@ -184,7 +184,7 @@ impl OfTile<'_> {
     }
 
     /// The others.
-    pub fn from(self, start: u32) -> Self {
+    pub(super) fn from(self, start: u32) -> Self {
         let few = self.few.partition_point(|it| *it < start);
         let many = self.many.partition_point(|it| it.triangle < start);
         Self {

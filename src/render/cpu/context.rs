@@ -39,7 +39,7 @@ pub(super) struct TileCanvas<'a, S: Simd> {
 impl<'a, S: Simd> TileCanvas<'a, S> {
     /// Of tile (`column`, `row`).
     #[inline(always)]
-    pub fn of(simd: S, picture: &'a PictureContext<'a>, [column, row]: [u32; 2]) -> Self {
+    pub(super) fn of(simd: S, picture: &'a PictureContext<'a>, [column, row]: [u32; 2]) -> Self {
         let corner = [column * TILE[0], row * TILE[1]];
         Self {
             picture,
@@ -53,7 +53,7 @@ impl<'a, S: Simd> TileCanvas<'a, S> {
 
     /// The pixels of the tile that a triangle may cover, if there are any.
     #[inline(always)]
-    pub fn reached(&self, corners: [Projected; 3], place: Place<'_>) -> Option<Rectangle> {
+    pub(super) fn reached(&self, corners: [Projected; 3], place: Place<'_>) -> Option<Rectangle> {
         let Self { picture, tile, .. } = self;
         let reached = seen(corners, place, &picture.grid, picture.pattern)?;
         let reached = reached.within(tile.min, tile.max);

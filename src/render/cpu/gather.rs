@@ -35,7 +35,7 @@ pub(super) struct Triangles {
 }
 
 impl Triangles {
-    pub fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.drawn.clear();
         self.setup.clear();
         self.material_triangles.clear();
@@ -43,7 +43,7 @@ impl Triangles {
 
     /// For the block with the picture's pixel `at` at its upper left corner.
     #[inline(always)]
-    pub fn gather<'a>(
+    pub(super) fn gather<'a>(
         &'a mut self,
         picture: &'a PictureContext<'a>,
         at: [u32; 2],
@@ -92,7 +92,7 @@ enum BaseColor {
 impl Gather<'_> {
     /// What the samples of a block show. `HAS_MATERIALS`: surfaces among it may have materials of their own.
     #[inline(always)]
-    pub fn block<S: Simd, const SAMPLES: usize, const HAS_MATERIALS: bool>(
+    pub(super) fn block<S: Simd, const SAMPLES: usize, const HAS_MATERIALS: bool>(
         &mut self,
         simd: S,
         shown: &[u32],
@@ -120,7 +120,7 @@ impl Gather<'_> {
 
     /// `place` is where in the pixel it is shaded, in eighths.
     #[inline(always)]
-    pub fn fragment<S: Simd, const HAS_MATERIALS: bool>(
+    pub(super) fn fragment<S: Simd, const HAS_MATERIALS: bool>(
         &mut self,
         simd: S,
         pixel: usize,

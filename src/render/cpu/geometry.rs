@@ -70,7 +70,7 @@ pub(super) struct Place<'a> {
 
 impl<'a> Paint<'a> {
     /// Of a part of a mesh of `rig` without a material of its own.
-    pub fn of(rig: &'a Rig, mesh: &'a Mesh, part: &Part, variant: Option<usize>) -> Self {
+    pub(super) fn of(rig: &'a Rig, mesh: &'a Mesh, part: &Part, variant: Option<usize>) -> Self {
         let texture = rig
             .material_of(part, variant)
             .and_then(|material| material.texture.as_ref())
@@ -83,24 +83,24 @@ impl<'a> Paint<'a> {
 }
 
 impl Surface<'_> {
-    pub fn end(&self) -> u32 {
+    pub(super) fn end(&self) -> u32 {
         self.first_triangle + self.triangles.len() as u32
     }
 }
 
 impl<'a> Geometry<'a> {
-    pub fn triangle_count(&self) -> usize {
+    pub(super) fn triangle_count(&self) -> usize {
         self.surfaces.last().map_or(0, |last| last.end() as usize)
     }
 
     /// Whether any of them blend.
-    pub fn blends(&self) -> bool {
+    pub(super) fn blends(&self) -> bool {
         (self.first_blending as usize) < self.triangle_count()
     }
 
     /// Of a triangle's number.
     #[inline(always)]
-    pub fn place(&self, triangle: u32) -> Place<'a> {
+    pub(super) fn place(&self, triangle: u32) -> Place<'a> {
         let after = self
             .surfaces
             .partition_point(|surface| surface.first_triangle <= triangle);
@@ -114,20 +114,20 @@ impl<'a> Geometry<'a> {
 
     /// The instance that a triangle is of.
     #[inline(always)]
-    pub fn instance_of(&self, place: Place<'_>) -> &'a DrawnInstance {
+    pub(super) fn instance_of(&self, place: Place<'_>) -> &'a DrawnInstance {
         &self.instances[place.surface.instance as usize]
     }
 
     /// Where the corners of a whole triangle fall.
     #[inline(always)]
-    pub fn projected_of(&self, place: Place<'a>) -> [Projected; 3] {
+    pub(super) fn projected_of(&self, place: Place<'a>) -> [Projected; 3] {
         // Written out: a closure would be called, for each triangle.
         let [a, b, c] = place.vertices();
         [self.projected[a], self.projected[b], self.projected[c]]
     }
 
     /// Of a triangle with a corner that [is beyond](Projected::is_beyond).
-    pub fn pieces(&self, place: Place<'a>) -> impl Iterator<Item = [Corner; 3]> {
+    pub(super) fn pieces(&self, place: Place<'a>) -> impl Iterator<Item = [Corner; 3]> {
         let whole = self.corners_of_whole(place);
         let Surface {
             triangles,
@@ -148,7 +148,7 @@ impl<'a> Geometry<'a> {
     }
 
     /// Of piece number `piece` of a triangle, or of one that is whole.
-    pub fn corners(&self, place: Place<'a>, piece: u32) -> [Corner; 3] {
+    pub(super) fn corners(&self, place: Place<'a>, piece: u32) -> [Corner; 3] {
         let whole = self.corners_of_whole(place);
         if whole.iter().any(|corner| corner.projected.is_beyond()) {
             let mut pieces = self.pieces(place);
@@ -161,7 +161,7 @@ impl<'a> Geometry<'a> {
 
     /// Of a whole triangle, also where they are beyond what can be drawn.
     #[inline(always)]
-    pub fn corners_of_whole(&self, place: Place<'a>) -> [Corner; 3] {
+    pub(super) fn corners_of_whole(&self, place: Place<'a>) -> [Corner; 3] {
         let Surface {
             triangles,
             positions,
@@ -202,7 +202,7 @@ impl<'a> Geometry<'a> {
 impl Place<'_> {
     /// In the numbering of all.
     #[inline(always)]
-    pub fn vertices(&self) -> [usize; 3] {
+    pub(super) fn vertices(&self) -> [usize; 3] {
         let first = self.surface.first_vertex;
         let [a, b, c] = self.surface.triangles[self.triangle];
         [

@@ -14,7 +14,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    pub fn of(size: Size) -> Self {
+    pub(super) fn of(size: Size) -> Self {
         Self {
             size,
             columns: size.width.div_ceil(TILE[0]),
@@ -22,7 +22,7 @@ impl Grid {
         }
     }
 
-    pub fn tile_count(&self) -> usize {
+    pub(super) fn tile_count(&self) -> usize {
         self.columns as usize * self.rows as usize
     }
 }
@@ -37,19 +37,19 @@ pub(super) struct Rectangle {
 impl Rectangle {
     /// As far as it lies between two pixels; it reaches there.
     #[inline(always)]
-    pub fn within(self, [left, top]: [u32; 2], [right, bottom]: [u32; 2]) -> Self {
+    pub(super) fn within(self, [left, top]: [u32; 2], [right, bottom]: [u32; 2]) -> Self {
         Self {
             min: [self.min[0].max(left), self.min[1].max(top)],
             max: [self.max[0].min(right), self.max[1].min(bottom)],
         }
     }
 
-    pub fn is_empty(self) -> bool {
+    pub(super) fn is_empty(self) -> bool {
         self.min[0] > self.max[0] || self.min[1] > self.max[1]
     }
 
     /// The smallest that both lie in.
-    pub fn and(self, other: Self) -> Self {
+    pub(super) fn and(self, other: Self) -> Self {
         let both =
             |a: [u32; 2], b: [u32; 2], of: fn(u32, u32) -> u32| [of(a[0], b[0]), of(a[1], b[1])];
         Self {

@@ -26,7 +26,7 @@ pub(super) struct DrawnInstance {
 
 impl DrawnInstance {
     /// Without vertices yet.
-    pub fn of(instance: &Instance, scene: &Scene) -> Self {
+    pub(super) fn of(instance: &Instance, scene: &Scene) -> Self {
         let params = InstanceParams::of(instance, &scene.camera);
         Self {
             projection: Projection::new(params.clip_from_model, scene.size),
@@ -41,7 +41,7 @@ impl DrawnInstance {
 
     /// Of a position of the model.
     #[inline(always)]
-    pub fn position_in_world(&self, position: [f32; 3]) -> [f32; 3] {
+    pub(super) fn position_in_world(&self, position: [f32; 3]) -> [f32; 3] {
         if self.is_placed {
             let [x, y, z] = position;
             let rows = self.params.world_from_model;
@@ -53,7 +53,7 @@ impl DrawnInstance {
 
     /// Of a normal of the model, of any length.
     #[inline(always)]
-    pub fn normal_in_world(&self, normal: [f32; 3]) -> [f32; 3] {
+    pub(super) fn normal_in_world(&self, normal: [f32; 3]) -> [f32; 3] {
         if self.is_placed {
             let [x, y, z] = normal;
             let rows = self.params.world_from_model_normal;

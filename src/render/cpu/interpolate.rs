@@ -32,7 +32,7 @@ impl Plane {
 
     /// u / w, v / w, 1 / w.
     #[inline(always)]
-    pub fn of_texcoords<S: Simd>(simd: S, slope: &Slope, [a, b, c]: &[Corner; 3]) -> Self {
+    pub(super) fn of_texcoords<S: Simd>(simd: S, slope: &Slope, [a, b, c]: &[Corner; 3]) -> Self {
         let texcoord = |corner: &Corner| {
             let ([u, v], inverse_w) = (corner.texcoord, corner.projected.inverse_w);
             [u * inverse_w, v * inverse_w, inverse_w, 0.0]
@@ -42,7 +42,7 @@ impl Plane {
 
     /// The vertex color over w.
     #[inline(always)]
-    pub fn of_colors<S: Simd>(simd: S, slope: &Slope, [a, b, c]: &[Corner; 3]) -> Self {
+    pub(super) fn of_colors<S: Simd>(simd: S, slope: &Slope, [a, b, c]: &[Corner; 3]) -> Self {
         let color = |corner: &Corner| {
             let inverse_w = corner.projected.inverse_w;
             corner.color.map(|channel| channel * inverse_w)
@@ -52,7 +52,7 @@ impl Plane {
 
     /// `from_origin` in pixels.
     #[inline(always)]
-    pub fn at<S: Simd>(&self, simd: S, from_origin: [f32; 2]) -> f32x4<S> {
+    pub(super) fn at<S: Simd>(&self, simd: S, from_origin: [f32; 2]) -> f32x4<S> {
         let by_x = f32x4::load_array(simd, self.by_x);
         let by_y = f32x4::load_array(simd, self.by_y);
         f32x4::load_array(simd, self.at_origin) + by_x * from_origin[0] + by_y * from_origin[1]
@@ -75,7 +75,7 @@ pub(super) struct Planes {
 impl Planes {
     /// Of a triangle that is no line. `is_flat`: lit by its own normal.
     #[inline(always)]
-    pub fn of<S: Simd>(simd: S, corners: [Corner; 3], side: Side, is_flat: bool) -> Self {
+    pub(super) fn of<S: Simd>(simd: S, corners: [Corner; 3], side: Side, is_flat: bool) -> Self {
         let [a, b, c] = &corners;
         let slope = Slope::of([a.projected, b.projected, c.projected]);
         let toward_us = if side == Side::Front { 1.0 } else { -1.0 };

@@ -24,7 +24,7 @@ pub(super) struct Vectors<S: Simd> {
 
 impl<S: Simd> Vectors<S> {
     #[inline(always)]
-    pub fn splat(simd: S, [x, y, z]: [f32; 3]) -> Self {
+    pub(super) fn splat(simd: S, [x, y, z]: [f32; 3]) -> Self {
         Self {
             x: Lanes::splat(simd, x),
             y: Lanes::splat(simd, y),
@@ -34,7 +34,7 @@ impl<S: Simd> Vectors<S> {
 
     /// The first of `vectors`; where there are fewer than lanes, the last one stands for the rest.
     #[inline(always)]
-    pub fn load(simd: S, vectors: &[[f32; 3]]) -> Self {
+    pub(super) fn load(simd: S, vectors: &[[f32; 3]]) -> Self {
         let mut lanes = [[0.0; LANES]; 3];
         for lane in 0..LANES {
             let [x, y, z] = vectors[lane.min(vectors.len() - 1)];
@@ -50,7 +50,7 @@ impl<S: Simd> Vectors<S> {
 
     /// Over as many of the first of `vectors` as there are lanes.
     #[inline(always)]
-    pub fn store(self, vectors: &mut [[f32; 3]]) {
+    pub(super) fn store(self, vectors: &mut [[f32; 3]]) {
         let (x, y, z) = (self.x.to_array(), self.y.to_array(), self.z.to_array());
         for (lane, vector) in vectors.iter_mut().take(LANES).enumerate() {
             *vector = [x[lane], y[lane], z[lane]];
@@ -58,12 +58,12 @@ impl<S: Simd> Vectors<S> {
     }
 
     #[inline(always)]
-    pub fn dot(self, other: Self) -> Lanes<S> {
+    pub(super) fn dot(self, other: Self) -> Lanes<S> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
     #[inline(always)]
-    pub fn cross(self, other: Self) -> Self {
+    pub(super) fn cross(self, other: Self) -> Self {
         Self {
             x: self.y * other.z - self.z * other.y,
             y: self.z * other.x - self.x * other.z,
@@ -72,7 +72,7 @@ impl<S: Simd> Vectors<S> {
     }
 
     #[inline(always)]
-    pub fn plus(self, other: Self) -> Self {
+    pub(super) fn plus(self, other: Self) -> Self {
         Self {
             x: self.x + other.x,
             y: self.y + other.y,
@@ -81,7 +81,7 @@ impl<S: Simd> Vectors<S> {
     }
 
     #[inline(always)]
-    pub fn minus(self, other: Self) -> Self {
+    pub(super) fn minus(self, other: Self) -> Self {
         Self {
             x: self.x - other.x,
             y: self.y - other.y,
@@ -90,7 +90,7 @@ impl<S: Simd> Vectors<S> {
     }
 
     #[inline(always)]
-    pub fn times(self, factor: Lanes<S>) -> Self {
+    pub(super) fn times(self, factor: Lanes<S>) -> Self {
         Self {
             x: self.x * factor,
             y: self.y * factor,
@@ -100,7 +100,7 @@ impl<S: Simd> Vectors<S> {
 
     /// Of unit length; `otherwise` where a vector has no direction.
     #[inline(always)]
-    pub fn unit_or(self, otherwise: Self) -> Self {
+    pub(super) fn unit_or(self, otherwise: Self) -> Self {
         let squared = self.dot(self);
         let zero = Lanes::splat(squared.token(), 0.0);
         let unit = self.times(1.0 / squared.sqrt());

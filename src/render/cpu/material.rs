@@ -36,7 +36,7 @@ pub(super) struct MaterialTriangle {
 
 impl<'a> PartMaterial<'a> {
     /// `None` of a part that has none.
-    pub fn of(rig: &'a Rig, mesh: &'a Mesh, part: &Part, surface: &Surface) -> Option<Self> {
+    pub(super) fn of(rig: &'a Rig, mesh: &'a Mesh, part: &Part, surface: &Surface) -> Option<Self> {
         let material = rig.material_of(part, surface.variant);
         Some(Self {
             params: MaterialParams::of(mesh, part, material, surface)?,
@@ -59,7 +59,7 @@ impl<'a> PartMaterial<'a> {
     }
 
     /// Whether there are pixels that triangles cover and leave out.
-    pub fn has_holes(&self) -> bool {
+    pub(super) fn has_holes(&self) -> bool {
         self.params.least_alpha > 0.0
     }
 
@@ -76,7 +76,7 @@ impl<'a> PartMaterial<'a> {
 
     /// Opacity in the middle of a pixel.
     #[inline(always)]
-    pub fn alpha<S: Simd>(
+    pub(super) fn alpha<S: Simd>(
         &self,
         simd: S,
         [texcoord, color]: [&Plane; 2],
@@ -111,7 +111,7 @@ impl<'a> PartMaterial<'a> {
 impl MaterialTriangle {
     /// `is_bare`: lit by its own normal, whatever a map says.
     #[inline(always)]
-    pub fn of<S: Simd>(
+    pub(super) fn of<S: Simd>(
         simd: S,
         material: u32,
         of: &PartMaterial<'_>,
@@ -131,7 +131,7 @@ impl MaterialTriangle {
 
     /// What the triangle shows of a pixel: its base color and place, and the rest of the material. `from_origin` is where it is shaded, in pixels.
     #[inline(always)]
-    pub fn shown<S: Simd>(
+    pub(super) fn shown<S: Simd>(
         &self,
         simd: S,
         of: &PartMaterial<'_>,
@@ -195,7 +195,12 @@ pub(super) struct Texcoords {
 impl Texcoords {
     /// Inside the triangle or beside it. `origin` is where `plane` starts.
     #[inline(always)]
-    pub fn around<S: Simd>(simd: S, plane: &Plane, origin: [f32; 2], pixel: [f32; 2]) -> Self {
+    pub(super) fn around<S: Simd>(
+        simd: S,
+        plane: &Plane,
+        origin: [f32; 2],
+        pixel: [f32; 2],
+    ) -> Self {
         let [x, y] = pixel;
         let (here, inverse_w) = texcoord(simd, plane, origin, pixel);
         Self {

@@ -56,7 +56,7 @@ pub(super) struct Under<'a> {
 impl Overlay {
     /// Everything that blends in tile (`column`, `row`). By itself, so that it does not lie in the way of pictures without.
     #[inline(never)]
-    pub fn draw<S: Simd>(
+    pub(super) fn draw<S: Simd>(
         &mut self,
         simd: S,
         picture: &PictureContext<'_>,
@@ -104,7 +104,7 @@ impl Overlay {
     }
 
     /// Of a block whose samples have colors of their own.
-    pub fn colors(&self, block: usize, samples: usize) -> Option<&[[f32; 4]]> {
+    pub(super) fn colors(&self, block: usize, samples: usize) -> Option<&[[f32; 4]]> {
         let length = BLOCK_PIXELS * samples;
         self.is_open[block].then(|| &self.colors[block * length..][..length])
     }

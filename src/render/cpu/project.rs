@@ -37,7 +37,7 @@ impl Projected {
         inverse_w: 0.0,
     };
 
-    pub fn is_beyond(self) -> bool {
+    pub(super) fn is_beyond(self) -> bool {
         self.x == i32::MIN
     }
 }
@@ -50,19 +50,24 @@ pub(super) struct Projection {
 }
 
 impl Projection {
-    pub fn new(clip_from_model: Mat4, size: Size) -> Self {
+    pub(super) fn new(clip_from_model: Mat4, size: Size) -> Self {
         Self {
             clip_from_model: clip_from_model.to_cols_array_2d(),
             half_size: [size.width, size.height].map(|side| side as f32 / 2.0),
         }
     }
 
-    pub fn half_size(&self) -> [f32; 2] {
+    pub(super) fn half_size(&self) -> [f32; 2] {
         self.half_size
     }
 
     /// Over as many positions as there are.
-    pub fn project(&self, level: Level, positions: &[[f32; 3]], projected: &mut [Projected]) {
+    pub(super) fn project(
+        &self,
+        level: Level,
+        positions: &[[f32; 3]],
+        projected: &mut [Projected],
+    ) {
         dispatch!(level, simd => {
             let groups = positions.chunks(LANES).zip(projected.chunks_mut(LANES));
             for (positions, projected) in groups {
@@ -73,13 +78,13 @@ impl Projection {
     }
 
     /// One point, with the numbers that many at a time come to.
-    pub fn clip_of(&self, [x, y, z]: [f32; 3]) -> [f32; 4] {
+    pub(super) fn clip_of(&self, [x, y, z]: [f32; 3]) -> [f32; 4] {
         let [a, b, c, d] = self.clip_from_model;
         [0, 1, 2, 3].map(|row| a[row] * x + b[row] * y + c[row] * z + d[row])
     }
 
     /// One point of clip space.
-    pub fn place_of(&self, clip: [f32; 4]) -> Projected {
+    pub(super) fn place_of(&self, clip: [f32; 4]) -> Projected {
         let [x, y] = self.pixel_of(clip);
         let is_inside = |pixel: f32| (GUARD[0]..=GUARD[1]).contains(&pixel);
         let [.., z, w] = clip;
@@ -91,7 +96,7 @@ impl Projection {
     }
 
     /// One point of clip space that was cut to lie inside, and does but for rounding. It lies before the eye.
-    pub fn place_inside(&self, [x, y, z, w]: [f32; 4]) -> Projected {
+    pub(super) fn place_inside(&self, [x, y, z, w]: [f32; 4]) -> Projected {
         let pixel = self.pixel_of([x, y, z, w]);
         let pixel = pixel.map(|pixel| pixel.clamp(GUARD[0], GUARD[1]));
         Self::placed([x, y, z.min(w), w], pixel)

@@ -33,7 +33,7 @@ pub(super) struct Footprint<S: Simd> {
 
 impl<S: Simd> Footprint<S> {
     #[inline(always)]
-    pub fn of(simd: S, pattern: Pattern) -> Self {
+    pub(super) fn of(simd: S, pattern: Pattern) -> Self {
         let positions = pattern.positions();
         let mut eighths = [[0; GROUP]; 2];
         for lane in 0..GROUP {

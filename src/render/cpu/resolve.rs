@@ -17,7 +17,7 @@ impl Default for Sums {
 }
 
 impl Sums {
-    pub fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         *self = Self::default();
     }
 
@@ -34,7 +34,7 @@ impl Sums {
 
     /// Of `samples` colors of each pixel, premultiplied and with their opacity in place of a count.
     #[inline(always)]
-    pub fn of_samples<S: Simd>(simd: S, samples: usize, colors: &[[f32; 4]]) -> Self {
+    pub(super) fn of_samples<S: Simd>(simd: S, samples: usize, colors: &[[f32; 4]]) -> Self {
         let mut sums = Self::default();
         for (sum, colors) in sums.0.iter_mut().zip(colors.chunks_exact(samples)) {
             let mut all = f32x4::splat(simd, 0.0);
@@ -48,7 +48,7 @@ impl Sums {
 
     /// In the fragments' order.
     #[inline(always)]
-    pub fn add<S: Simd>(&mut self, simd: S, fragments: &Fragments) {
+    pub(super) fn add<S: Simd>(&mut self, simd: S, fragments: &Fragments) {
         let colors = fragments.pixel.iter().zip(&fragments.color);
         for (&(pixel, samples), &color) in colors.take(fragments.count) {
             let sum = &mut self.0[usize::from(pixel) % BLOCK_PIXELS];
@@ -71,7 +71,7 @@ pub(super) struct Resolve {
 impl Resolve {
     /// As many pixels of a block, row by row, as there are lanes: RGBA8 each, the first byte lowest. `rows` counts by that many.
     #[inline(always)]
-    pub fn rows<S: Simd>(
+    pub(super) fn rows<S: Simd>(
         &self,
         simd: S,
         base: &Sums,
@@ -98,7 +98,7 @@ impl Resolve {
 
     /// A pixel that nothing covers.
     #[inline(always)]
-    pub fn empty<S: Simd>(&self, simd: S) -> u32 {
+    pub(super) fn empty<S: Simd>(&self, simd: S) -> u32 {
         self.rows(simd, &Sums::default(), None, 0)[0]
     }
 }

@@ -22,32 +22,32 @@ pub(super) const STEPS_IN_EIGHTH: i32 = super::project::STEPS / EIGHTHS;
 pub(super) struct Pattern(Samples);
 
 impl Pattern {
-    pub const fn of(samples: Samples) -> Self {
+    pub(super) const fn of(samples: Samples) -> Self {
         Self(samples)
     }
 
     /// In eighths of a pixel from its upper left corner.
-    pub fn positions(self) -> &'static [[i32; 2]] {
+    pub(super) fn positions(self) -> &'static [[i32; 2]] {
         match self.0 {
             Samples::One => &[[4, 4]],
             Samples::Four => &[[3, 1], [7, 3], [1, 5], [5, 7]],
         }
     }
 
-    pub fn count(self) -> usize {
+    pub(super) fn count(self) -> usize {
         self.positions().len()
     }
 
     /// The first step, on either axis, at or after this one on which there is a sample.
     #[inline(always)]
-    pub fn first_at(self, step: i32) -> i32 {
+    pub(super) fn first_at(self, step: i32) -> i32 {
         let (offset, bits) = self.spacing();
         ((step - offset + (1 << bits) - 1) >> bits << bits) + offset
     }
 
     /// The last one at or before it.
     #[inline(always)]
-    pub fn last_at(self, step: i32) -> i32 {
+    pub(super) fn last_at(self, step: i32) -> i32 {
         let (offset, bits) = self.spacing();
         ((step - offset) >> bits << bits) + offset
     }
@@ -109,7 +109,7 @@ pub(super) struct Group<'a> {
 }
 
 impl TileSamples {
-    pub fn clear(&mut self, pattern: Pattern) {
+    pub(super) fn clear(&mut self, pattern: Pattern) {
         self.pattern = pattern;
         self.touched = [false; BLOCKS];
         self.least_depth = [0.0; BLOCKS];
@@ -122,7 +122,7 @@ impl TileSamples {
 
     /// The group of a pixel of the tile and those beside it, to be drawn into. A group never leaves its block.
     #[inline(always)]
-    pub fn group(&mut self, [x, y]: [u32; 2], layer: Layer) -> Group<'_> {
+    pub(super) fn group(&mut self, [x, y]: [u32; 2], layer: Layer) -> Group<'_> {
         let samples = self.pattern.count();
         let block = (y / BLOCK * BLOCK_COLUMNS + x / BLOCK) as usize;
         if !self.touched[block] {
@@ -150,18 +150,18 @@ impl TileSamples {
     }
 
     /// How near all samples of the block of a pixel are at least: what is no nearer anywhere in it is hidden.
-    pub fn least_depth(&mut self, [x, y]: [u32; 2]) -> &mut f32 {
+    pub(super) fn least_depth(&mut self, [x, y]: [u32; 2]) -> &mut f32 {
         &mut self.least_depth[(y / BLOCK * BLOCK_COLUMNS + x / BLOCK) as usize]
     }
 
     /// How near what is drawn is at each sample of the group of a pixel of the tile.
     #[inline(always)]
-    pub fn depth(&mut self, at: [u32; 2]) -> [f32; GROUP] {
+    pub(super) fn depth(&mut self, at: [u32; 2]) -> [f32; GROUP] {
         *self.group(at, Layer::Base).depth
     }
 
     /// Of every sample that shows a triangle, which one.
-    pub fn shown_mut(&mut self) -> impl Iterator<Item = &mut u32> {
+    pub(super) fn shown_mut(&mut self) -> impl Iterator<Item = &mut u32> {
         let length = BLOCK_PIXELS * self.pattern.count();
         let blocks = self
             .base
@@ -173,7 +173,7 @@ impl TileSamples {
     }
 
     /// Of each sample of a block which triangle it shows; `None` where nothing was drawn.
-    pub fn shown(&self, block: usize, layer: Layer) -> Option<&[u32]> {
+    pub(super) fn shown(&self, block: usize, layer: Layer) -> Option<&[u32]> {
         let length = BLOCK_PIXELS * self.pattern.count();
         let triangle = match layer {
             Layer::Base => &self.base,

@@ -23,7 +23,7 @@ impl<T> Default for ScratchPool<T> {
 
 impl<T> ScratchPool<T> {
     /// Frees all of them; those in use as soon as they come back.
-    pub fn clear(&self) {
+    pub(super) fn clear(&self) {
         let mut kept = self.kept();
         kept.free.clear();
         kept.clearings += 1;
@@ -35,7 +35,7 @@ impl<T> ScratchPool<T> {
 }
 
 impl<T: Default> ScratchPool<T> {
-    pub fn take(self: &Arc<Self>) -> Scratch<T> {
+    pub(super) fn take(self: &Arc<Self>) -> Scratch<T> {
         let mut kept = self.kept();
         let (value, clearings) = (kept.free.pop(), kept.clearings);
         drop(kept);

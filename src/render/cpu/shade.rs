@@ -36,7 +36,7 @@ pub(super) struct MaterialSample {
 impl MaterialSample {
     /// Of what has no material of its own.
     #[inline(always)]
-    pub fn plain(params: &InstanceParams) -> Self {
+    pub(super) fn plain(params: &InstanceParams) -> Self {
         Self {
             specular: params.specular.extend(params.shininess).to_array(),
             emissive: [0.0, 0.0, 0.0, 1.0],
@@ -60,15 +60,15 @@ pub(super) struct Fragments {
 
 impl Fragments {
     /// Of a block whose pixels show as many triangles as they have samples.
-    pub const MOST: usize = super::samples::BLOCK_PIXELS * 4;
+    pub(super) const MOST: usize = super::samples::BLOCK_PIXELS * 4;
 
-    pub fn add(&mut self, pixel: usize, samples: usize, fragment: Fragment) {
+    pub(super) fn add(&mut self, pixel: usize, samples: usize, fragment: Fragment) {
         self.pixel[self.count] = (pixel as u8, samples as u8);
         self.given[self.count] = fragment;
         self.count += 1;
     }
 
-    pub fn add_with_material(
+    pub(super) fn add_with_material(
         &mut self,
         pixel: usize,
         samples: usize,

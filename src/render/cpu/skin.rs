@@ -35,7 +35,7 @@ pub(super) struct SkinJob<'a> {
 
 impl SkinJob<'_> {
     /// As many vertices as there is room for, from the `first` on. Normals that are not asked for are not worked out.
-    pub fn run(
+    pub(super) fn run(
         &self,
         level: Level,
         first: usize,

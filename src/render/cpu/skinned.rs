@@ -34,7 +34,7 @@ impl Drop for Skinned {
 
 impl Vertices {
     /// Which of them are those of a skin.
-    pub fn range_of(&self, skin: &Skin) -> Option<Range<usize>> {
+    pub(super) fn range_of(&self, skin: &Skin) -> Option<Range<usize>> {
         let mut skins = self.skins.iter();
         let found = skins.find(|(other, _)| other == skin)?;
         Some(found.1.clone())

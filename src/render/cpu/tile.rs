@@ -38,7 +38,7 @@ pub(super) struct TileScratch {
 impl TileScratch {
     /// Draws tile (`column`, `row`) into `band`, the rows of the picture that tiles of that row cover.
     #[inline(always)]
-    pub fn draw<S: Simd>(
+    pub(super) fn draw<S: Simd>(
         &mut self,
         simd: S,
         picture: &PictureContext<'_>,

@@ -47,7 +47,7 @@ impl Slope {
     /// Over a triangle that is no line: a quantity with the values `a`, `b`, `c` at the corners changes by
     /// `(b − a) · by_x[0] + (c − a) · by_x[1]` to the right, and likewise downward.
     #[inline(always)]
-    pub fn of(corners: [Projected; 3]) -> Self {
+    pub(super) fn of(corners: [Projected; 3]) -> Self {
         let step = 1.0 / STEPS as f32;
         // Of whole numbers, so that no sliver's comes to nothing.
         let rounded_area = doubled_area(corners) as f32 * (step * step);

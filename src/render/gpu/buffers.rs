@@ -14,7 +14,7 @@ impl Growing {
     /// Room for a handful of small rigs, so that the first pictures need no second allocation.
     const FIRST_BYTES: u64 = 1 << 18;
 
-    pub fn new(device: &Device, label: &'static str, usage: BufferUsages) -> Self {
+    pub(super) fn new(device: &Device, label: &'static str, usage: BufferUsages) -> Self {
         let usage = usage | BufferUsages::COPY_DST;
         Self {
             buffer: create(device, label, usage, Self::FIRST_BYTES),
@@ -24,7 +24,7 @@ impl Growing {
     }
 
     /// Whether the buffer was replaced by a larger one, and with it every bind group that names it.
-    pub fn reserve(&mut self, device: &Device, bytes: u64) -> bool {
+    pub(super) fn reserve(&mut self, device: &Device, bytes: u64) -> bool {
         let grows = bytes > self.buffer.size();
         if grows {
             let roomy = bytes.next_power_of_two().min(device.buffer_bytes);
@@ -34,14 +34,14 @@ impl Growing {
     }
 
     /// Puts `contents` at the start. Returns whether the buffer was replaced, as [`Growing::reserve`] does.
-    pub fn write<T: bytemuck::NoUninit>(&mut self, device: &Device, contents: &[T]) -> bool {
+    pub(super) fn write<T: bytemuck::NoUninit>(&mut self, device: &Device, contents: &[T]) -> bool {
         let bytes: &[u8] = bytemuck::cast_slice(contents);
         let grew = self.reserve(device, bytes.len() as u64);
         device.queue.write_buffer(&self.buffer, 0, bytes);
         grew
     }
 
-    pub fn buffer(&self) -> &Buffer {
+    pub(super) fn buffer(&self) -> &Buffer {
         &self.buffer
     }
 }
@@ -60,7 +60,7 @@ impl Readbacks {
     /// Room for a submission of small pictures, so that one buffer is as good as another.
     const FIRST_BYTES: u64 = 1 << 20;
 
-    pub fn lend(&mut self, device: &Device, bytes: u64) -> Buffer {
+    pub(super) fn lend(&mut self, device: &Device, bytes: u64) -> Buffer {
         let fits = |buffer: &&(usize, &Buffer)| buffer.1.size() >= bytes;
         let smallest = self
             .free
@@ -81,7 +81,7 @@ impl Readbacks {
 
     /// Takes an unmapped buffer back. Of too many the smallest goes, as the others can stand in for it; of too large ones the one that was
     /// not wanted for the longest time.
-    pub fn give_back(&mut self, buffer: Buffer) {
+    pub(super) fn give_back(&mut self, buffer: Buffer) {
         self.free.push(buffer);
         if self.free.len() > Self::KEPT {
             let sizes = self.free.iter().map(Buffer::size).enumerate();
@@ -94,7 +94,7 @@ impl Readbacks {
         }
     }
 
-    pub fn bytes(&self) -> u64 {
+    pub(super) fn bytes(&self) -> u64 {
         self.free.iter().map(Buffer::size).sum()
     }
 }

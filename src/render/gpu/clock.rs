@@ -14,10 +14,10 @@ pub(super) struct Clock {
 
 impl Clock {
     /// Of a start and an end, eight bytes each.
-    pub const BYTES: u64 = 16;
+    pub(super) const BYTES: u64 = 16;
 
     /// `None` where the adapter has none.
-    pub fn new(device: &Device) -> Option<Self> {
+    pub(super) fn new(device: &Device) -> Option<Self> {
         if !device
             .device
             .features()
@@ -39,12 +39,12 @@ impl Clock {
     }
 
     /// Before anything else of a submission.
-    pub fn start(&self, encoder: &mut wgpu::CommandEncoder) {
+    pub(super) fn start(&self, encoder: &mut wgpu::CommandEncoder) {
         self.record(encoder, 0);
     }
 
     /// After everything else; what is returned is then to be copied out.
-    pub fn stop(&self, encoder: &mut wgpu::CommandEncoder) -> &wgpu::Buffer {
+    pub(super) fn stop(&self, encoder: &mut wgpu::CommandEncoder) -> &wgpu::Buffer {
         self.record(encoder, 1);
         encoder.resolve_query_set(&self.times, 0..2, &self.resolved, 0);
         &self.resolved
@@ -63,7 +63,7 @@ impl Clock {
     }
 
     /// Between the two times that were copied out.
-    pub fn read(&self, times: &[u8]) -> Duration {
+    pub(super) fn read(&self, times: &[u8]) -> Duration {
         let times = bytemuck::pod_collect_to_vec::<u8, u64>(times);
         let ticks = match times[..] {
             [start, end] => end.saturating_sub(start),

@@ -31,7 +31,10 @@ struct Faults {
 const HANG: Duration = Duration::from_secs(60);
 
 impl Device {
-    pub fn open(adapter: &wgpu::Adapter, adapter_id: AdapterId) -> Result<Self, AdapterError> {
+    pub(super) fn open(
+        adapter: &wgpu::Adapter,
+        adapter_id: AdapterId,
+    ) -> Result<Self, AdapterError> {
         let info = adapter::info(&adapter.get_info());
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("device"),
@@ -88,7 +91,7 @@ impl Device {
     ///
     /// # Errors
     /// Loss first: everything after it is a consequence.
-    pub fn check(&self) -> Result<(), RenderError> {
+    pub(super) fn check(&self) -> Result<(), RenderError> {
         let mut faults = lock(&self.faults);
         if let Some(reason) = faults.lost.clone() {
             return Err(RenderError::DeviceLost { reason });
@@ -100,7 +103,7 @@ impl Device {
     ///
     /// # Errors
     /// Where the device is lost.
-    pub fn forgive(&self) -> Result<(), RenderError> {
+    pub(super) fn forgive(&self) -> Result<(), RenderError> {
         match self.check() {
             Err(lost @ RenderError::DeviceLost { .. }) => Err(lost),
             _ => Ok(()),
@@ -109,7 +112,7 @@ impl Device {
 
     /// Blocks until the device has finished `submission` and every callback that it owes has run, or until `slice` is over. Returns whether
     /// it is finished; `since` is when it was first waited for.
-    pub fn wait(
+    pub(super) fn wait(
         &self,
         submission: &wgpu::SubmissionIndex,
         slice: Duration,

@@ -71,7 +71,7 @@ enum BindingKey {
 }
 
 impl DrawList {
-    pub fn new(
+    pub(super) fn new(
         device: &Device,
         texture_binding: &TextureBinding,
         uploads: &mut TextureUploads,
@@ -104,7 +104,7 @@ impl DrawList {
     }
 
     /// Whether anything looks at texture coordinates.
-    pub fn is_textured(&self) -> bool {
+    pub(super) fn is_textured(&self) -> bool {
         let is_plain = |binding: &MaterialBinding| matches!(binding, MaterialBinding::Plain);
         !self.bindings.iter().all(is_plain)
     }
@@ -112,7 +112,7 @@ impl DrawList {
 
 impl MaterialBinding {
     /// As a picture with this surface shows it on `rig`.
-    pub fn params(&self, rig: &Rig, surface: &Surface) -> Option<MaterialParams> {
+    pub(super) fn params(&self, rig: &Rig, surface: &Surface) -> Option<MaterialParams> {
         match *self {
             Self::Plain | Self::Textured(_) => None,
             Self::Full { part, .. } => part.params(rig, surface),

@@ -56,7 +56,7 @@ struct InstanceDraws<'a> {
 
 impl<'a> Draws<'a> {
     /// `params_offset` says where the numbers of an instance are bound; `order` is that of the parts that blend.
-    pub fn of(
+    pub(super) fn of(
         drawing: &Drawing<'a>,
         params_offset: impl Fn(usize) -> u32,
         order: &[(f64, PartPlace)],
@@ -92,7 +92,7 @@ impl<'a> Draws<'a> {
         draws
     }
 
-    pub fn iter(&self) -> impl Iterator<Item = &Draw<'a>> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Draw<'a>> {
         self.base.iter().chain(&self.layer)
     }
 }

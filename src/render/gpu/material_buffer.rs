@@ -17,9 +17,9 @@ pub(super) struct MaterialBuffer {
 
 impl MaterialBuffer {
     /// At the most, from one material to the next: what devices align to at the worst.
-    pub const MOST_STRIDE: usize = size_of::<MaterialParams>().next_multiple_of(256);
+    pub(super) const MOST_STRIDE: usize = size_of::<MaterialParams>().next_multiple_of(256);
 
-    pub fn new(device: &Device) -> Self {
+    pub(super) fn new(device: &Device) -> Self {
         let wgpu_device = &device.device;
         let layout = wgpu_device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("material_buffer"),
@@ -45,16 +45,16 @@ impl MaterialBuffer {
         }
     }
 
-    pub fn bytes(&self) -> u64 {
+    pub(super) fn bytes(&self) -> u64 {
         self.buffer.buffer().size()
     }
 
-    pub fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.gathered.clear();
     }
 
     /// Where it will be bound once it is [written](Self::write).
-    pub fn add(&mut self, material: &MaterialParams) -> u32 {
+    pub(super) fn add(&mut self, material: &MaterialParams) -> u32 {
         let offset = self.gathered.len();
         self.gathered
             .extend_from_slice(bytemuck::bytes_of(material));
@@ -63,13 +63,13 @@ impl MaterialBuffer {
     }
 
     /// Writes what was added since they were [cleared](Self::clear).
-    pub fn write(&mut self, device: &Device) {
+    pub(super) fn write(&mut self, device: &Device) {
         if self.buffer.write(device, &self.gathered) {
             self.group = bind(device, &self.layout, &self.buffer);
         }
     }
 
-    pub fn set(&self, pass: &mut wgpu::RenderPass<'_>, index: u32, offset: u32) {
+    pub(super) fn set(&self, pass: &mut wgpu::RenderPass<'_>, index: u32, offset: u32) {
         pass.set_bind_group(index, &self.group, &[offset]);
     }
 }

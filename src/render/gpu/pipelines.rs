@@ -108,7 +108,7 @@ pub(super) struct Pipelines {
 }
 
 impl Pipelines {
-    pub fn new(
+    pub(super) fn new(
         device: &Device,
         uniform_layout: &wgpu::BindGroupLayout,
         textures: &TextureBinding,
@@ -155,7 +155,7 @@ impl Pipelines {
     }
 
     /// Makes the one of `variant` where it was not needed before.
-    pub fn prepare(&mut self, device: &Device, variant: Variant) {
+    pub(super) fn prepare(&mut self, device: &Device, variant: Variant) {
         if !self.made.contains_key(&variant) {
             let pipeline = self.pipeline(device, variant);
             self.made.insert(variant, pipeline);
@@ -163,7 +163,7 @@ impl Pipelines {
     }
 
     /// One that was [prepared](Self::prepare).
-    pub fn get(&self, variant: Variant) -> &wgpu::RenderPipeline {
+    pub(super) fn get(&self, variant: Variant) -> &wgpu::RenderPipeline {
         &self.made[&variant]
     }
 

@@ -44,14 +44,14 @@ pub(super) struct Copies {
 
 impl Copies {
     /// With room for so many bytes.
-    pub fn new(device: &Device, readbacks: &mut Readbacks, bytes: u64) -> Self {
+    pub(super) fn new(device: &Device, readbacks: &mut Readbacks, bytes: u64) -> Self {
         Self {
             buffer: readbacks.lend(device, bytes),
             end: 0,
         }
     }
 
-    pub fn copy(
+    pub(super) fn copy(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         source: &wgpu::Buffer,
@@ -63,7 +63,7 @@ impl Copies {
     }
 
     /// Copies for `query`: positions, then normals, as far as asked for.
-    pub fn copy_vertices(
+    pub(super) fn copy_vertices(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         query: &VertexQuery,
@@ -89,7 +89,7 @@ impl Copies {
     }
 
     /// Submits, and asks for the result to be mapped.
-    pub fn submit(
+    pub(super) fn submit(
         self,
         device: &Device,
         encoder: wgpu::CommandEncoder,
@@ -168,7 +168,7 @@ fn read(forms: &[Form], clock: Option<&Clock>, bytes: &[u8]) -> Finished {
 }
 
 impl Form {
-    pub fn of(plan: &Plan) -> Self {
+    pub(super) fn of(plan: &Plan) -> Self {
         let images = plan.image.iter();
         let rasters = images.flat_map(|image| {
             let size = image.scene.size;
@@ -180,7 +180,7 @@ impl Form {
         }
     }
 
-    pub fn bytes(&self) -> u64 {
+    pub(super) fn bytes(&self) -> u64 {
         let rasters = self.rasters.iter();
         let rasters = rasters.map(|(kind, size)| kind.bytes(*size) as u64);
         rasters.sum::<u64>() + self.vertices.iter().map(query_bytes).sum::<u64>()

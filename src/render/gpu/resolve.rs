@@ -11,7 +11,7 @@ pub(super) struct ResolveStage {
 }
 
 impl ResolveStage {
-    pub fn new(device: &Device) -> Self {
+    pub(super) fn new(device: &Device) -> Self {
         let module = device
             .device
             .create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -71,7 +71,7 @@ impl ResolveStage {
     }
 
     /// Records the pass that fills `targets.pixels`.
-    pub fn encode(&self, encoder: &mut wgpu::CommandEncoder, targets: &Targets) {
+    pub(super) fn encode(&self, encoder: &mut wgpu::CommandEncoder, targets: &Targets) {
         let descriptor = wgpu::ComputePassDescriptor {
             label: Some("resolve.pass"),
             timestamp_writes: None,

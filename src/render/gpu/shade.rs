@@ -89,7 +89,7 @@ const NO_COLOR: Range<u64> = 0..16;
 const NO_TEXCOORD: Range<u64> = 16..24;
 
 impl ShadeStage {
-    pub fn new(device: &Device, textures: &TextureBinding) -> Self {
+    pub(super) fn new(device: &Device, textures: &TextureBinding) -> Self {
         let wgpu_device = &device.device;
         let uniform = |binding| wgpu::BindGroupLayoutEntry {
             binding,
@@ -126,14 +126,18 @@ impl ShadeStage {
         }
     }
 
-    pub fn bytes(&self) -> u64 {
+    pub(super) fn bytes(&self) -> u64 {
         let own = [&self.views, &self.instances, &self.lines];
         let own = own.map(|growing| growing.buffer().size());
         own.iter().sum::<u64>() + self.solids.bytes() + self.materials.bytes()
     }
 
     /// Writes what the passes of all pictures of a submission read, and makes the pipelines that were not needed before.
-    pub fn prepare<'a>(&mut self, device: &Device, drawings: &[Drawing<'a>]) -> Vec<Ready<'a>> {
+    pub(super) fn prepare<'a>(
+        &mut self,
+        device: &Device,
+        drawings: &[Drawing<'a>],
+    ) -> Vec<Ready<'a>> {
         if drawings.is_empty() {
             return Vec::new();
         }
@@ -195,7 +199,7 @@ impl ShadeStage {
     }
 
     /// Records the passes that draw `ready` into `targets`; `vertices` are the skinned ones.
-    pub fn encode(
+    pub(super) fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         ready: &Ready<'_>,

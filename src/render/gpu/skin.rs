@@ -51,7 +51,7 @@ struct Scratch {
 }
 
 impl SkinStage {
-    pub fn new(device: &Device) -> Self {
+    pub(super) fn new(device: &Device) -> Self {
         let job_layout = layout(
             device,
             "skin.job",
@@ -104,11 +104,11 @@ impl SkinStage {
     }
 
     /// The skinned vertices of what was [encoded](Self::encode) last.
-    pub fn skinned(&self) -> &wgpu::Buffer {
+    pub(super) fn skinned(&self) -> &wgpu::Buffer {
         self.skinned.buffer()
     }
 
-    pub fn bytes(&self) -> u64 {
+    pub(super) fn bytes(&self) -> u64 {
         [
             &self.jobs,
             &self.palette,
@@ -149,7 +149,7 @@ impl SkinStage {
 
     /// Writes palettes and weights and records the skin pass, if there is anything to skin. `rigs` are those of `skins`, in step, and so is
     /// what is returned.
-    pub fn encode<'a>(
+    pub(super) fn encode<'a>(
         &mut self,
         device: &Device,
         encoder: &mut wgpu::CommandEncoder,
@@ -255,7 +255,7 @@ impl SkinStage {
 impl SkinnedRig<'_> {
     /// Bytes from the first vertex that has a place to the first one of `mesh`, among positions as among normals; `None` where nobody asked
     /// for that mesh.
-    pub fn offset(&self, mesh: usize) -> Option<u64> {
+    pub(super) fn offset(&self, mesh: usize) -> Option<u64> {
         let vertices = self.rig.vertices.get(mesh)?;
         let has = |run: &Range<u32>| run.start <= vertices.start && vertices.end <= run.end;
         let is_there = !vertices.is_empty() && self.runs.iter().any(has);

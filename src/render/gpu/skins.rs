@@ -18,7 +18,7 @@ pub(super) struct RequiredSkin<'a> {
 pub(super) struct SkinSet<'a>(Vec<RequiredSkin<'a>>);
 
 impl<'a> SkinSet<'a> {
-    pub fn of(plans: &[&'a Plan]) -> Self {
+    pub(super) fn of(plans: &[&'a Plan]) -> Self {
         let mut skins = Self::default();
         for plan in plans {
             for skin in plan.drawn_skins() {
@@ -31,12 +31,12 @@ impl<'a> SkinSet<'a> {
         skins
     }
 
-    pub fn iter(&self) -> impl Iterator<Item = &RequiredSkin<'a>> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = &RequiredSkin<'a>> {
         self.0.iter()
     }
 
     /// Index of a skin among them; `None` where nothing of it was asked for.
-    pub fn position(&self, skin: &Skin) -> Option<usize> {
+    pub(super) fn position(&self, skin: &Skin) -> Option<usize> {
         self.0.iter().position(|required| required.skin == skin)
     }
 

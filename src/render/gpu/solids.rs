@@ -20,13 +20,13 @@ pub(super) struct SolidPlace {
 }
 
 impl SolidPlace {
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.indices.is_empty()
     }
 }
 
 impl SolidBuffers {
-    pub fn new(device: &Device) -> Self {
+    pub(super) fn new(device: &Device) -> Self {
         Self {
             vertices: Growing::new(device, "solids.vertices", BufferUsages::VERTEX),
             indices: Growing::new(device, "solids.indices", BufferUsages::INDEX),
@@ -34,12 +34,12 @@ impl SolidBuffers {
         }
     }
 
-    pub fn bytes(&self) -> u64 {
+    pub(super) fn bytes(&self) -> u64 {
         self.vertices.buffer().size() + self.indices.buffer().size()
     }
 
     /// In step with `instances`.
-    pub fn write<'a>(
+    pub(super) fn write<'a>(
         &mut self,
         device: &Device,
         instances: impl Iterator<Item = &'a Solids>,
@@ -68,7 +68,7 @@ impl SolidBuffers {
     }
 
     /// Draws what was [written](Self::write), with the pipeline that is set.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, place: &SolidPlace) {
+    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, place: &SolidPlace) {
         let SolidPlace { vertices, indices } = place;
         let count = (indices.end - indices.start) / size_of::<u32>() as u64;
         pass.set_vertex_buffer(0, self.vertices.buffer().slice(vertices.clone()));

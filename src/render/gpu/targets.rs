@@ -90,7 +90,7 @@ impl TargetCache {
     /// What several shapes may take together; a single one may take more.
     const MOST_BYTES: u64 = 512 << 20;
 
-    pub fn get(
+    pub(super) fn get(
         &mut self,
         device: &Device,
         resolve_layout: &wgpu::BindGroupLayout,
@@ -110,14 +110,14 @@ impl TargetCache {
         &self.kept[self.kept.len() - 1]
     }
 
-    pub fn bytes(&self) -> u64 {
+    pub(super) fn bytes(&self) -> u64 {
         self.kept.iter().map(|targets| targets.shape.bytes()).sum()
     }
 }
 
 impl TargetShape {
     /// Eight bytes of color a sample and layer and again for the mean, four of depth a sample, four of result a pixel.
-    pub fn bytes(self) -> u64 {
+    pub(super) fn bytes(self) -> u64 {
         let samples = u64::from(self.samples.count());
         let means = if self.samples == Samples::One { 0 } else { 1 };
         let layers = self.layers as u64 + 1;

@@ -27,7 +27,7 @@ pub(super) struct TextureUploads {
 }
 
 impl TextureBinding {
-    pub fn new(device: &Device) -> Self {
+    pub(super) fn new(device: &Device) -> Self {
         let single = |texel| {
             let level = TextureLevel {
                 width: 1,
@@ -48,13 +48,13 @@ impl TextureBinding {
     }
 
     /// A texture that is repeated.
-    pub fn bind(&self, device: &Device, texture: &TextureView) -> wgpu::BindGroup {
+    pub(super) fn bind(&self, device: &Device, texture: &TextureView) -> wgpu::BindGroup {
         let sampler = self.sampler([Wrap::Repeat; 2]);
         bind(device, &self.layout, &[(texture, sampler)])
     }
 
     /// Those of `material`.
-    pub fn bind_material(
+    pub(super) fn bind_material(
         &self,
         device: &Device,
         uploads: &mut TextureUploads,
@@ -101,7 +101,7 @@ impl TextureBinding {
 }
 
 impl TextureUploads {
-    pub fn upload(&mut self, device: &Device, texture: &Arc<Texture>) -> TextureView {
+    pub(super) fn upload(&mut self, device: &Device, texture: &Arc<Texture>) -> TextureView {
         let Self { views, bytes } = self;
         let uploaded = views.entry(Arc::as_ptr(texture)).or_insert_with(|| {
             *bytes += texture.memory_bytes() as u64;
@@ -111,7 +111,7 @@ impl TextureUploads {
     }
 
     /// Of all of them.
-    pub fn bytes(&self) -> u64 {
+    pub(super) fn bytes(&self) -> u64 {
         self.bytes
     }
 }

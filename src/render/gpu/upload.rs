@@ -55,29 +55,29 @@ pub(super) struct Uploads {
 }
 
 impl Uploads {
-    pub fn upload(&mut self, device: &Device, layouts: Layouts<'_>, rig: &Arc<Rig>) {
+    pub(super) fn upload(&mut self, device: &Device, layouts: Layouts<'_>, rig: &Arc<Rig>) {
         self.rigs
             .entry(rig.id())
             .or_insert_with(|| GpuRig::upload(device, layouts, rig));
     }
 
     /// A rig that was [uploaded](Self::upload).
-    pub fn get(&self, rig: &Rig) -> Option<&GpuRig> {
+    pub(super) fn get(&self, rig: &Rig) -> Option<&GpuRig> {
         self.rigs.get(&rig.id())
     }
 
     /// Uploads these again when they are next drawn.
-    pub fn forget(&mut self, rigs: impl Iterator<Item = RigId>) {
+    pub(super) fn forget(&mut self, rigs: impl Iterator<Item = RigId>) {
         rigs.for_each(|rig| drop(self.rigs.remove(&rig)));
     }
 
     /// Frees the device memory of rigs that were unloaded.
-    pub fn sweep(&mut self) {
+    pub(super) fn sweep(&mut self) {
         self.rigs
             .retain(|_, gpu_rig| gpu_rig.rig.strong_count() > 0);
     }
 
-    pub fn bytes(&self) -> u64 {
+    pub(super) fn bytes(&self) -> u64 {
         self.rigs.values().map(|rig| rig.bytes).sum()
     }
 }
@@ -141,7 +141,7 @@ impl GpuRig {
     }
 
     /// As the rig looks in a variant; `None` is the file's own choice.
-    pub fn variant(&self, variant: Option<usize>) -> &VariantDraws {
+    pub(super) fn variant(&self, variant: Option<usize>) -> &VariantDraws {
         let in_variant = variant.and_then(|variant| self.variants.get(1 + variant));
         in_variant.unwrap_or(&self.variants[0])
     }
@@ -149,7 +149,7 @@ impl GpuRig {
 
 impl VariantDraws {
     /// Those of a part that blends, in the order of its draw triangles.
-    pub fn blending(&self, mesh: usize, part: usize) -> &[(DrawRange, Range<u32>)] {
+    pub(super) fn blending(&self, mesh: usize, part: usize) -> &[(DrawRange, Range<u32>)] {
         let ranges = self.blending.get(&(mesh, part));
         ranges.map_or(&[], |ranges| &self.ranges[ranges.clone()])
     }

@@ -17,7 +17,7 @@ pub(super) struct MeshBuild<'a> {
 }
 
 impl MeshBuild<'_> {
-    pub fn build(
+    pub(super) fn build(
         mut self,
         name: String,
         bindings: &mut Vec<Binding>,

@@ -13,7 +13,7 @@ pub(super) struct Line {
 }
 
 impl Line {
-    pub fn read(line: &[u8]) -> Self {
+    pub(super) fn read(line: &[u8]) -> Self {
         Self {
             arrived: Instant::now(),
             read: protocol::Request::parse(line),
@@ -22,7 +22,7 @@ impl Line {
 
     /// The last line of a client that closed its half without ending it. `None` where it is no whole JSON object: then it may be the start
     /// of another line than the client meant to send.
-    pub fn read_unended(line: &[u8]) -> Option<Self> {
+    pub(super) fn read_unended(line: &[u8]) -> Option<Self> {
         let read = Self::read(line);
         let is_cut = matches!(
             &read.read,
@@ -48,7 +48,7 @@ impl Line {
     }
 
     /// One that outgrew its limit, of which nothing was kept.
-    pub fn too_long(exceeded: LimitExceeded) -> Self {
+    pub(super) fn too_long(exceeded: LimitExceeded) -> Self {
         Self {
             read: Err(unfollowed(Id::Null, exceeded.into())),
             arrived: Instant::now(),
@@ -56,7 +56,7 @@ impl Line {
     }
 
     /// How many raw bytes follow the line; `None` where nobody can tell, and so the connection has to end.
-    pub fn attach_bytes(&self) -> Option<u64> {
+    pub(super) fn attach_bytes(&self) -> Option<u64> {
         match &self.read {
             Ok(request) => Some(request.attach_bytes),
             Err(bad) => bad.attach_bytes,
@@ -64,7 +64,7 @@ impl Line {
     }
 
     /// Refuses a line that more raw bytes would follow than may. Nothing can follow it then.
-    pub fn within(self, limits: &Limits) -> Self {
+    pub(super) fn within(self, limits: &Limits) -> Self {
         let allowed = limits.attachment_bytes(self.attach_bytes().unwrap_or(0));
         match allowed {
             Ok(()) => self,
@@ -84,7 +84,7 @@ impl Line {
     }
 
     /// Hands the line to the service, with the raw bytes that followed it.
-    pub fn begin(self, session: &mut Session, attached: Bytes) -> Option<ResponseHandle> {
+    pub(super) fn begin(self, session: &mut Session, attached: Bytes) -> Option<ResponseHandle> {
         let protocol::Request {
             id,
             method,

@@ -23,7 +23,7 @@ struct State {
 }
 
 impl ResponseQueue {
-    pub fn new(most: usize) -> Self {
+    pub(super) fn new(most: usize) -> Self {
         Self {
             state: Mutex::default(),
             changed: Condvar::new(),
@@ -32,30 +32,30 @@ impl ResponseQueue {
     }
 
     /// Blocks while as many requests are in flight as may be; `false` where nothing can be written any more.
-    pub fn wait_for_space(&self) -> bool {
+    pub(super) fn wait_for_space(&self) -> bool {
         let full = |state: &mut State| state.in_flight >= self.most && !state.is_broken;
         let state = self.changed.wait_while(self.lock(), full);
         !state.unwrap_or_else(PoisonError::into_inner).is_broken
     }
 
-    pub fn push(&self, response: ResponseHandle) {
+    pub(super) fn push(&self, response: ResponseHandle) {
         let mut state = self.lock();
         state.in_flight += 1;
         state.responses.push_back(response);
         self.changed.notify_all();
     }
 
-    pub fn close(&self) {
+    pub(super) fn close(&self) {
         self.lock().is_closed = true;
         self.changed.notify_all();
     }
 
-    pub fn is_broken(&self) -> bool {
+    pub(super) fn is_broken(&self) -> bool {
         self.lock().is_broken
     }
 
     /// The next response to wait for; `None` after the last.
-    pub fn next(&self) -> Option<ResponseHandle> {
+    pub(super) fn next(&self) -> Option<ResponseHandle> {
         let idle = |state: &mut State| state.responses.is_empty() && !state.is_closed;
         let state = self.changed.wait_while(self.lock(), idle);
         state
@@ -65,13 +65,13 @@ impl ResponseQueue {
     }
 
     /// The one that [`ResponseQueue::next`] gave is done with.
-    pub fn written(&self) {
+    pub(super) fn written(&self) {
         self.lock().in_flight -= 1;
         self.changed.notify_all();
     }
 
     /// Gives up on everything in flight.
-    pub fn break_off(&self) {
+    pub(super) fn break_off(&self) {
         let mut state = self.lock();
         state.is_broken = true;
         let abandoned = std::mem::take(&mut state.responses);

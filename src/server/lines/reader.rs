@@ -50,7 +50,7 @@ const CHUNK: usize = 64 << 10;
 
 impl<R: Read> LineReader<R> {
     /// The stream's reads are to time out, so that `wait` is asked now and then.
-    pub fn new(stream: R, line_limit: usize, stalled: Duration) -> Self {
+    pub(super) fn new(stream: R, line_limit: usize, stalled: Duration) -> Self {
         Self {
             stream,
             buffer: Vec::new(),
@@ -62,7 +62,11 @@ impl<R: Read> LineReader<R> {
     }
 
     /// `on_bytes` hears of each read's length.
-    pub fn next_line(&mut self, wait: &impl Fn() -> Wait, on_bytes: &impl Fn(usize)) -> Next {
+    pub(super) fn next_line(
+        &mut self,
+        wait: &impl Fn() -> Wait,
+        on_bytes: &impl Fn(usize),
+    ) -> Next {
         loop {
             let found = self.buffer[self.searched..]
                 .iter()
@@ -94,7 +98,7 @@ impl<R: Read> LineReader<R> {
     }
 
     /// The next `count` bytes as they are; `None` where they do not all come.
-    pub fn next_bytes(
+    pub(super) fn next_bytes(
         &mut self,
         count: usize,
         wait: &impl Fn() -> Wait,

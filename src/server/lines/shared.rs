@@ -13,7 +13,7 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    pub fn new(service: Arc<Service>, timeouts: Timeouts) -> Self {
+    pub(super) fn new(service: Arc<Service>, timeouts: Timeouts) -> Self {
         Self {
             service,
             timeouts,
@@ -31,7 +31,7 @@ pub(super) struct OpenConnection {
 }
 
 impl OpenConnection {
-    pub fn count(shared: &Arc<Shared>) -> Self {
+    pub(super) fn count(shared: &Arc<Shared>) -> Self {
         let number = shared.connections.fetch_add(1, Ordering::SeqCst) + 1;
         shared.service.stats().opened_connection();
         Self {

@@ -12,13 +12,13 @@ pub(super) struct Checker<'a> {
 }
 
 impl Checker<'_> {
-    pub fn warn(&mut self, sentence: impl FnOnce() -> String) {
+    pub(super) fn warn(&mut self, sentence: impl FnOnce() -> String) {
         let faults = self.faults;
         self.warnings.push(|| faults.warning(&sentence()));
     }
 
     /// Where an index leads nowhere: of something that is not used, or it would be a fault.
-    pub fn check_index<T>(
+    pub(super) fn check_index<T>(
         &mut self,
         list: &[T],
         index: Option<Index<T>>,
@@ -30,7 +30,7 @@ impl Checker<'_> {
     }
 
     /// Warns of a word or a number that is not known. `instead` says what is read in its place.
-    pub fn check_known<T>(
+    pub(super) fn check_known<T>(
         &mut self,
         value: &Checked<T>,
         path: impl FnOnce() -> String,
