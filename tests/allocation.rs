@@ -60,8 +60,8 @@ fn plan(rig: &Arc<Rig>, index: usize) -> Plan {
     scene.plan(posed, Skinning::Linear, bounds.size())
 }
 
-/// What comes out of a renderer is a list.
-const LIST_OF_OUTPUTS: u64 = 1;
+/// What comes out of a renderer, and surfaces, materials and meshes of a picture: short lists, of which none grows.
+const LISTS: u64 = 4;
 
 fn allocations(cpu: &Cpu, plan: &Plan) -> AllocationInfo {
     measure(
@@ -73,7 +73,7 @@ fn allocations(cpu: &Cpu, plan: &Plan) -> AllocationInfo {
 }
 
 #[test]
-fn a_warm_renderer_asks_for_no_memory() {
+fn a_warm_renderer_asks_for_no_memory_but_short_lists() {
     let files = rigd::cli::figure();
     let loaded = formats::load(&files, &Source::inline_only(), &Limits::default());
     let rig = Arc::new(loaded.expect("the figure").rig);
@@ -87,10 +87,7 @@ fn a_warm_renderer_asks_for_no_memory() {
     }
     for (index, plan) in plans.iter().enumerate() {
         let warm = allocations(&cpu, plan);
-        assert_eq!(
-            warm.count_total, LIST_OF_OUTPUTS,
-            "picture {index}: {warm:?}"
-        );
+        assert_eq!(warm.count_total, LISTS, "picture {index}: {warm:?}");
     }
 }
 
@@ -109,7 +106,7 @@ fn neither_does_it_for_coats() {
     let cpu = Cpu::default();
     assert!(allocations(&cpu, &plan).count_total > 10);
     let warm = allocations(&cpu, &plan);
-    assert_eq!(warm.count_total, LIST_OF_OUTPUTS, "{warm:?}");
+    assert_eq!(warm.count_total, LISTS, "{warm:?}");
 }
 
 #[test]
@@ -124,7 +121,7 @@ fn neither_does_it_for_many_parts_that_blend() {
     let cpu = Cpu::default();
     assert!(allocations(&cpu, &plan).count_total > 10);
     let warm = allocations(&cpu, &plan);
-    assert_eq!(warm.count_total, LIST_OF_OUTPUTS, "{warm:?}");
+    assert_eq!(warm.count_total, LISTS, "{warm:?}");
 }
 
 #[test]

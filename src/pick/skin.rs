@@ -205,7 +205,7 @@ fn normal(ray: &Ray, mesh: &Mesh, smooth: Option<&SkinnedVertices>, met: &Met) -
         met.area_vector
     };
     let normals = smooth.and_then(|vertices| vertices.normals.as_deref());
-    let (normals, _) = normals.unwrap_or_default().as_chunks();
+    let (normals, _) = normals.map_or(&[][..], Vec::as_slice).as_chunks();
     let interpolated = corners_of(normals, &mesh.triangles()[met.triangle]).and_then(|corners| {
         let shared = corners.map(in_f64).into_iter().zip(met.barycentric);
         shared

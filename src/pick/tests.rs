@@ -54,7 +54,7 @@ fn rig(meshes: Vec<MeshDraft>, bindings: &[Option<usize>]) -> Arc<Rig> {
     Arc::new(draft.build(&Limits::default()).expect("a valid draft"))
 }
 
-fn flat(vectors: &[Vec3]) -> Option<Pooled<f32>> {
+fn flat(vectors: &[Vec3]) -> Option<Pooled<Vec<f32>>> {
     let numbers = vectors.iter().flat_map(|vector| vector.to_array());
     Some(numbers.collect::<Vec<f32>>().into())
 }

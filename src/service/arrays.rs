@@ -5,7 +5,7 @@ use bytemuck::Pod;
 use bytes::Bytes;
 
 /// Numbers of 4 bytes each, in the memory in which they are, which goes back to its pool once they are written.
-pub(super) fn little_endian<T: Pod + Send>(numbers: impl Into<Pooled<T>>) -> Bytes {
+pub(super) fn little_endian<T: Pod + Send>(numbers: impl Into<Pooled<Vec<T>>>) -> Bytes {
     let mut numbers = numbers.into();
     if cfg!(target_endian = "big") {
         for word in bytemuck::cast_slice_mut::<T, [u8; 4]>(&mut numbers) {

@@ -178,17 +178,17 @@ fn described(camera: &Camera) -> wire::FrameCamera {
 mod tests {
     use super::*;
     use crate::encode::Compression;
-    use crate::frame::Spare;
+    use crate::frame::Pool;
     use crate::protocol::blob::PictureTransport;
 
     #[test]
     fn bare_pixels_that_are_attached_go_back_to_their_pool() {
-        let pool = Arc::new(Spare::default());
+        let pool = Arc::new(Pool::of_lists());
         let size = Size {
             width: 4,
             height: 2,
         };
-        let pixels = pool.take(32);
+        let pixels = pool.take_list(32);
         let memory = pixels.as_ptr();
         let packing = Packing {
             image: wire::ImageFormat::Rgba8,
@@ -205,9 +205,9 @@ mod tests {
         Blob::picture(picture, PictureTransport::Attach, &mut attachments);
         let parts = attachments.into_parts();
         assert_eq!(parts[0].as_ptr(), memory, "it was copied");
-        let other = pool.take(32);
+        let other = pool.take_list(32);
         assert_ne!(other.as_ptr(), memory, "it is not written yet");
         drop(parts);
-        assert_eq!(pool.take(32).as_ptr(), memory);
+        assert_eq!(pool.take_list(32).as_ptr(), memory);
     }
 }

@@ -82,8 +82,7 @@ impl Call {
         let pack = move |(skinned, timings): (Vec<SkinnedVertices>, Timings)| {
             let started = Instant::now();
             let joints = asked.joints.then(|| transforms(&looked_at));
-            let positions = skinned.iter().filter_map(|it| it.positions.as_deref());
-            let bounds = positions.filter_map(Bounds::of_positions);
+            let bounds = skinned.iter().filter_map(SkinnedVertices::bounds);
             let bounds = bounds.reduce(|all, one| all.and(&one));
             let encode = started.elapsed();
             PackedVertices {
@@ -134,7 +133,7 @@ impl PackedVertices {
             timings,
         } = self;
         let rig = &asked.rig.loaded.rig;
-        let mut blob = |numbers: Pooled<f32>, shape: [usize; 2]| {
+        let mut blob = |numbers: Pooled<Vec<f32>>, shape: [usize; 2]| {
             let bytes = little_endian(numbers);
             Blob::array(Dtype::Float32, bytes, &shape, asked.transport, attachments)
         };

@@ -4,6 +4,7 @@
 use super::view::{Lens, View};
 use crate::cli::local::{self, Drawing};
 use crate::engine::{Engine, RigRef};
+use crate::frame::SkinnedVertices;
 use crate::protocol::Fault;
 use crate::protocol::frame::FrameParams;
 use crate::scene::{Bounds, Camera, ShowSkeleton, ShowSkin, Size, VertexQuery};
@@ -89,8 +90,7 @@ fn corners_of_skin(engine: &Engine, subject: Subject) -> Result<Vec<DVec3>, Faul
         let _ = sender.send(skinned.map_err(Fault::from));
     });
     let (meshes, _) = Drawing(receiver).wait()?;
-    let positions = meshes.iter().filter_map(|mesh| mesh.positions.as_deref());
-    let bounds = positions.filter_map(Bounds::of_positions);
+    let bounds = meshes.iter().filter_map(SkinnedVertices::bounds);
     let bounds = bounds.reduce(|all, one| all.and(&one));
     Ok(bounds.map_or(Vec::new(), |bounds| vec![bounds.min, bounds.max]))
 }

@@ -57,7 +57,7 @@ impl Reel {
             Format::Png => encode::png(&frame, compression).map_err(|error| Fault::Internal {
                 message: error.to_string(),
             }),
-            Format::Gif | Format::Apng => Ok(frame.bytes.into_vec()),
+            Format::Gif | Format::Apng => Ok(frame.bytes.into_inner()),
         }
     }
 

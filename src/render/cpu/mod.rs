@@ -17,14 +17,15 @@ mod material;
 mod overlay;
 mod parallelism;
 mod picture;
+mod picture_scratch;
 mod project;
 mod raster;
 mod resolve;
 mod samples;
-mod scratch;
 mod shade;
 mod skin;
 mod skinned;
+mod surfaces;
 mod texture;
 mod tile;
 mod triangle;
@@ -35,12 +36,11 @@ pub use skinned::Skinned;
 
 use super::{Capabilities, Plan, Skin};
 use crate::adapter::{AdapterInfo, AdapterKind};
-use crate::frame::{ImageKind, Outputs, Pooled, SkinnedVertices, Spare};
+use crate::frame::{ImageKind, Outputs, Pool, SkinnedVertices};
 use crate::rig::Mesh;
 use crate::scene::VertexQuery;
 use fearless_simd::Level;
-use picture::PictureScratch;
-use scratch::ScratchPool;
+use picture_scratch::PictureScratch;
 use skin::SkinJob;
 use skinned::Vertices;
 use std::sync::Arc;
@@ -52,11 +52,11 @@ const PORTION: usize = 4096;
 /// A renderer. Any number of threads may use it at a time; what it keeps is scratch memory.
 pub struct Cpu {
     level: Level,
-    skins: Arc<ScratchPool<Vertices>>,
-    pictures: Arc<ScratchPool<PictureScratch>>,
-    tiles: Arc<ScratchPool<TileScratch>>,
-    bytes: Arc<Spare<u8>>,
-    numbers: Arc<Spare<f32>>,
+    skins: Arc<Pool<Vertices>>,
+    pictures: Arc<Pool<PictureScratch>>,
+    tiles: Arc<Pool<TileScratch>>,
+    bytes: Arc<Pool<Vec<u8>>>,
+    numbers: Arc<Pool<Vec<f32>>>,
 }
 
 impl Default for Cpu {
@@ -73,8 +73,8 @@ impl Cpu {
             skins: Arc::default(),
             pictures: Arc::default(),
             tiles: Arc::default(),
-            bytes: Arc::default(),
-            numbers: Arc::default(),
+            bytes: Arc::new(Pool::of_lists()),
+            numbers: Arc::new(Pool::of_lists()),
         }
     }
 
@@ -151,21 +151,17 @@ impl Cpu {
             Some((&vertices.positions[range.clone()], &vertices.normals[range]))
         });
         let copied = |from: &[[f32; 3]]| {
-            let mut numbers = self.numbers.take(from.as_flattened().len());
+            let mut numbers = self.numbers.take_list(from.as_flattened().len());
             numbers.copy_from_slice(from.as_flattened());
             numbers
         };
-        let (positions, normals) = match kept {
-            Some((positions, normals)) => (
-                query.positions.then(|| copied(positions)),
-                query.normals.then(|| copied(normals)),
-            ),
+        match kept {
+            Some((positions, normals)) => SkinnedVertices {
+                vertex_count: query.count,
+                positions: query.positions.then(|| copied(positions)),
+                normals: query.normals.then(|| copied(normals)),
+            },
             None => self.skin_query(skin, query, parallelism),
-        };
-        SkinnedVertices {
-            vertex_count: query.count,
-            positions,
-            normals,
         }
     }
 
@@ -175,17 +171,25 @@ impl Cpu {
         skin: &Skin,
         query: &VertexQuery,
         parallelism: Parallelism<'_>,
-    ) -> (Option<Pooled<f32>>, Option<Pooled<f32>>) {
-        let mut positions = self.numbers.take(3 * query.count);
-        let mut normals = query.normals.then(|| self.numbers.take(3 * query.count));
+    ) -> SkinnedVertices {
+        let mut positions = self.numbers.take_list(3 * query.count);
+        let mut normals = query
+            .normals
+            .then(|| self.numbers.take_list(3 * query.count));
         self.skin_range(
             &SkinJob::new(skin, &skin.rig().meshes()[query.mesh]),
             query.start,
             bytemuck::cast_slice_mut(&mut positions),
-            normals.as_deref_mut().map(bytemuck::cast_slice_mut),
+            normals
+                .as_deref_mut()
+                .map(|normals| bytemuck::cast_slice_mut(normals)),
             parallelism,
         );
-        (query.positions.then_some(positions), normals)
+        SkinnedVertices {
+            vertex_count: query.count,
+            positions: query.positions.then_some(positions),
+            normals,
+        }
     }
 
     fn skin_range(
@@ -219,6 +223,8 @@ impl Cpu {
         self.skins.clear();
         self.pictures.clear();
         self.tiles.clear();
+        self.bytes.clear();
+        self.numbers.clear();
     }
 }
 

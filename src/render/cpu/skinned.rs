@@ -1,14 +1,14 @@
 //! Skinned vertices, to be drawn and copied from any number of times. Never lives here: how a vertex is skinned.
 
-use super::scratch::Scratch;
 use super::skin::SkinJob;
 use super::{Cpu, Parallelism};
+use crate::frame::Pooled;
 use crate::render::{Plan, Skin};
 use crate::rig::Mesh;
 use std::ops::Range;
 
 /// Every draw vertex of some skins, in model space. Its memory goes back to the renderer.
-pub struct Skinned(Scratch<Vertices>);
+pub struct Skinned(Pooled<Vertices>);
 
 /// Of all meshes of all skins, one after another.
 #[derive(Default)]
