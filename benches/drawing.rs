@@ -2,7 +2,7 @@
 //! against all.
 //!
 //! Both through the engine, encoding included, without a socket: several requests in flight for frames a second, one for latency. Rounds
-//! are taken in turn, so that whatever else the machine does meets both; what is told are medians and the median of the ratios.
+//! are taken in turn, so that whatever else the machine does meets both; what is reported are medians and the median of the ratios.
 
 #[path = "support/capsule.rs"]
 mod capsule;

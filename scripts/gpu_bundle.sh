@@ -6,7 +6,7 @@ set -eu
 cargo=$1
 bundle=$2
 # Parity with rigd's own renderer, and vertices against the oracle.
-tests="twins materials extensions skinning"
+tests="parity materials extensions skinning"
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 

@@ -19,6 +19,6 @@ else
 fi
 # Alone, so that no other driver is taken for it. Older loaders know the second name.
 if [ -n "$swiftshader" ]; then
-    RIGD_TEST_ADAPTER=swiftshader VK_DRIVER_FILES=$swiftshader VK_ICD_FILENAMES=$swiftshader "$cargo" test --locked --test twins \
+    RIGD_TEST_ADAPTER=swiftshader VK_DRIVER_FILES=$swiftshader VK_ICD_FILENAMES=$swiftshader "$cargo" test --locked --test parity \
         --test materials --test extensions --test obj --test device
 fi

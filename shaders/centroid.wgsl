@@ -1,5 +1,5 @@
 // The place in a pixel at which a triangle is shaded: its center, or the triangle's centroid in it. `centroid_by_mask.wgsl` has
-// `centroid_offset`. CPU twin: `render/cpu/gather.rs`; the rule stands in `render/plan.rs`.
+// `centroid_offset`. On the CPU: `render/cpu/gather.rs`; the rule stands in `render/plan.rs`.
 // Each driver has a centroid of its own, so that attributes are interpolated at the center and moved from there.
 
 struct Place {

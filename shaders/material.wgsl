@@ -1,6 +1,6 @@
 // Stages 2 and 3, raster and shade, of skin with a material of its own. In: skinned vertices in model space, texture
 // coordinates, vertex colors, the material. Out: premultiplied linear RGBA, one sample or four.
-// CPU twins: `render/cpu/raster.rs`, `interpolate.rs`, `texture.rs` and `shade.rs`; the rules stand in `render/plan.rs`.
+// On the CPU: `render/cpu/raster.rs`, `interpolate.rs`, `texture.rs` and `shade.rs`; the rules stand in `render/plan.rs`.
 
 // Mirrored by `render/material_params.rs`; a test compares every offset.
 struct MaterialParams {

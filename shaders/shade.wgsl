@@ -1,5 +1,5 @@
 // Stages 2 and 3, raster and shade, of the skin. In: skinned vertices in model space. Out: premultiplied linear RGBA, one sample or four.
-// CPU twins: `render/cpu/raster.rs`, `interpolate.rs`, `texture.rs` and `shade.rs`; the rules stand in `render/plan.rs`.
+// On the CPU: `render/cpu/raster.rs`, `interpolate.rs`, `texture.rs` and `shade.rs`; the rules stand in `render/plan.rs`.
 
 @group(1) @binding(0) var texture: texture_2d<f32>;
 @group(1) @binding(1) var repeated: sampler;

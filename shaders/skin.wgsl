@@ -1,6 +1,6 @@
 // Stage 1, skin. In: bind-space vertices of all meshes of a rig, their morph targets and influences, the weights, the palette. Out:
 // positions and normals in model space, of as many vertices in a row as the job says, whichever meshes they are of. Joined with `skin_linear.wgsl` or `skin_dual_quaternion.wgsl`, which know how a palette is blended.
-// CPU twin: `render/cpu/skin.rs`.
+// On the CPU: `render/cpu/skin.rs`.
 
 struct SkinJob {
     // Of the rig's vertices, one mesh after another.

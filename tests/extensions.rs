@@ -14,12 +14,12 @@ use support::{ask, ask_ok};
 static SERVICE: LazyLock<Arc<Service>> = LazyLock::new(support::service);
 
 /// rigd's own renderer and wgpu's; `None` where there is no Vulkan adapter.
-static TWINS: LazyLock<Option<[Arc<Service>; 2]>> = LazyLock::new(|| {
-    let twins = [
+static RENDERERS: LazyLock<Option<[Arc<Service>; 2]>> = LazyLock::new(|| {
+    let renderers = [
         support::service_on("cpu")?,
         support::service_on(&support::adapters::wgpu_adapter())?,
     ];
-    for service in &twins {
+    for service in &renderers {
         load(service, "dressed", &dressed());
         load(
             service,
@@ -27,7 +27,7 @@ static TWINS: LazyLock<Option<[Arc<Service>; 2]>> = LazyLock::new(|| {
             &lit(json!({"type": "spot", "intensity": 9.0})),
         );
     }
-    Some(twins)
+    Some(renderers)
 });
 
 /// Eight bits of a channel, and one rounding either way.
@@ -691,7 +691,9 @@ fn lights_that_are_not_as_they_should_be_are_left_out() {
 
 #[test]
 fn both_renderers_show_variants_and_lights_alike() {
-    let Some(twins) = TWINS.as_ref() else { return };
+    let Some(renderers) = RENDERERS.as_ref() else {
+        return;
+    };
     let of_variants = dressings().into_iter().map(|(variant, view, _)| {
         request(
             "dressed",
@@ -708,7 +710,7 @@ fn both_renderers_show_variants_and_lights_alike() {
         request("dressed", translucent),
     ];
     for request in of_variants.chain(of_lights) {
-        let [one, other] = [0, 1].map(|twin| draw(&twins[twin], &request).image);
+        let [one, other] = [0, 1].map(|index| draw(&renderers[index], &request).image);
         assert!(one.worst_difference(&other) <= 2, "{request}");
     }
 }

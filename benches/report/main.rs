@@ -40,7 +40,7 @@ const EXPLAINED: &str = "\
   something, of times or bytes for what is wanted to be at most something. Client, daemon and floor share the machine.
 - Skinning saved is (a frame's time with a pose for each camera − its time with four cameras on each pose) / the time of skinning one pose, all
   of them the wall time of a long run divided by its frames, with all threads at work. Skinning four poses as one saves three quarters.
-- Poses are told in requests a second; the ratio is how many times as many there are as by name.
+- Poses are measured in requests a second; the ratio is how many times as many there are as by name.
 ";
 
 fn page(

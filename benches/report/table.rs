@@ -8,7 +8,7 @@ use std::fmt::Write;
 pub enum Wanted {
     AtLeast(f64),
     AtMost(f64),
-    /// It is told, and that is all.
+    /// It is reported, and nothing more.
     Nothing,
 }
 

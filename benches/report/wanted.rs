@@ -34,12 +34,12 @@ enum Unit {
 fn row(what: &str, wanted: Wanted, unit: Unit, rounds: &Rounds) -> Row {
     let (ratio, [daemon, floor]) = match unit {
         Unit::Rate(name, things) => {
-            let told = |side| format!("{} {name}/s", digits(things / rounds.median(side)));
-            (rounds.ratio(1, 0), [0, 1].map(told))
+            let shown = |side| format!("{} {name}/s", digits(things / rounds.median(side)));
+            (rounds.ratio(1, 0), [0, 1].map(shown))
         }
         Unit::Millis => {
-            let told = |side| format!("{} ms", digits(1e3 * rounds.median(side)));
-            (rounds.ratio(0, 1), [0, 1].map(told))
+            let shown = |side| format!("{} ms", digits(1e3 * rounds.median(side)));
+            (rounds.ratio(0, 1), [0, 1].map(shown))
         }
     };
     Row {
@@ -56,7 +56,7 @@ fn row(what: &str, wanted: Wanted, unit: Unit, rounds: &Rounds) -> Row {
 const FRAMES: Unit = Unit::Rate("frames", 1.0);
 
 impl Wishes<'_> {
-    /// All rows, each told on the terminal once it is there.
+    /// All rows, each written to the terminal once it is there.
     pub fn measure(&self) -> Vec<Row> {
         let floor = Floor::of(self.daemon.engine());
         let mut rows = Vec::new();
@@ -99,14 +99,14 @@ impl Wishes<'_> {
             let rounds = self.effort.in_turn(IN_FLIGHT, self.poses(&capsule, method));
             for (side, form) in form.into_iter().enumerate().skip(1) {
                 let what = format!("`{method}`, 192 DOFs {form}, over {}", poses::FORMS[0]);
-                let told = |side| format!("{} requests/s", digits(1.0 / rounds.median(side)));
+                let shown = |side| format!("{} requests/s", digits(1.0 / rounds.median(side)));
                 tell(Row {
                     what,
                     wanted: Wanted::Nothing,
                     outcome: Outcome::Measured {
                         ratio: rounds.ratio(0, side),
-                        daemon: told(side),
-                        floor: told(0),
+                        daemon: shown(side),
+                        floor: shown(0),
                     },
                 });
             }
@@ -208,14 +208,14 @@ impl Wishes<'_> {
             Box::new(|count| floor.skinning(subject, count).unwrap_or(f64::NAN)),
         ];
         let rounds = self.effort.in_turn(4 * IN_FLIGHT, sides);
-        let told = |side| digits(1e3 * rounds.median(side));
+        let shown = |side| digits(1e3 * rounds.median(side));
         Row {
             what,
             wanted,
             outcome: Outcome::Measured {
                 ratio: rounds.spread(|secs| (secs[1] - secs[0]) / secs[2]),
-                daemon: format!("{} ms a frame", told(0)),
-                floor: format!("{} ms, of which skinning {} ms", told(1), told(2)),
+                daemon: format!("{} ms a frame", shown(0)),
+                floor: format!("{} ms, of which skinning {} ms", shown(1), shown(2)),
             },
         }
     }
@@ -267,7 +267,7 @@ impl Wishes<'_> {
             request("frame.render", &shots.params(figure, index), &[])
         });
         let [first, last] = [first, last].map(|bytes| bytes.into_inner() as f64);
-        let told = |bytes: f64| format!("{:.1} MiB", bytes / f64::from(1 << 20));
+        let shown = |bytes: f64| format!("{:.1} MiB", bytes / f64::from(1 << 20));
         let ratio = last / first;
         Row {
             what: format!(
@@ -281,8 +281,8 @@ impl Wishes<'_> {
                     median: ratio,
                     high: ratio,
                 },
-                daemon: told(last),
-                floor: told(first),
+                daemon: shown(last),
+                floor: shown(first),
             },
         }
     }

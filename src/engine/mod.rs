@@ -13,7 +13,7 @@ mod worker;
 pub use admission::{Admission, AttachmentPermit, ConnectionQuota, MemoryPermit, Ticket};
 pub use error::{EngineError, PoseError};
 pub use extents::Extents;
-pub use ordered::{Ordered, Place, Work};
+pub use ordered::{Ordered, WindowPermit, Work};
 pub use query::{Character, FrameQuery, PickQuery};
 pub use store::{ChangedPose, LoadedRig, RigRef};
 pub use worker::{Cancellation, Timings};

@@ -21,7 +21,7 @@ pub trait Work: Send + Sync + Sized + 'static {
         done: impl FnOnce(Result<Self::Output, Self::Error>) + Send + 'static,
     ) -> Result<(), Self::Error>;
 
-    /// Takes an output; one at a time, in the order of the items. As long as its `place` is kept, it counts as being in hand.
+    /// Takes an output; one at a time, in the order of the items. As long as its `permit` is kept, it counts as being in hand.
     ///
     /// # Errors
     /// Where no more is to be delivered.
@@ -29,7 +29,7 @@ pub trait Work: Send + Sync + Sized + 'static {
         &self,
         index: usize,
         output: Self::Output,
-        place: Place<Self>,
+        permit: WindowPermit<Self>,
     ) -> Result<(), Self::Error>;
 
     /// Runs exactly once: all items are delivered, or the first error ended it. Items that are in hand then are finished for nothing.
@@ -50,7 +50,7 @@ struct State<W: Work> {
     /// Those that are not started yet.
     items: std::vec::IntoIter<W::Item>,
     started: usize,
-    /// Started, and their places not given back yet.
+    /// Started, and their permits not given back yet.
     in_hand: usize,
     /// Outputs whose turn has not come.
     outputs: BTreeMap<usize, W::Output>,
@@ -60,10 +60,10 @@ struct State<W: Work> {
     is_finished: bool,
 }
 
-/// That of an item among those in hand, given back on drop.
-pub struct Place<W: Work>(Arc<Ordered<W>>);
+/// Counts an item among those in hand until it is dropped.
+pub struct WindowPermit<W: Work>(Arc<Ordered<W>>);
 
-impl<W: Work> Drop for Place<W> {
+impl<W: Work> Drop for WindowPermit<W> {
     fn drop(&mut self) {
         let mut state = self.0.lock();
         state.in_hand -= 1;
@@ -148,7 +148,9 @@ impl<W: Work> Ordered<W> {
             state.delivered += 1;
             let is_last = state.delivered == state.started && state.items.len() == 0;
             drop(state);
-            let delivered = self.work.deliver(index, output, Place(Arc::clone(self)));
+            let delivered = self
+                .work
+                .deliver(index, output, WindowPermit(Arc::clone(self)));
             if delivered.is_err() || is_last {
                 self.finish(delivered);
             }
@@ -186,21 +188,21 @@ mod tests {
 
     enum Event {
         Started(usize, Done),
-        Delivered(usize, usize, Place<Told>),
+        Delivered(usize, usize, WindowPermit<Recorder>),
         Finished(Result<(), &'static str>),
     }
 
     /// Leaves everything to the test.
-    struct Told(Sender<Event>);
+    struct Recorder(Sender<Event>);
 
-    impl Told {
+    impl Recorder {
         fn tell(&self, event: Event) {
             // Where a test has failed, nobody looks any more.
             let _ = self.0.send(event);
         }
     }
 
-    impl Work for Told {
+    impl Work for Recorder {
         type Item = usize;
         type Output = usize;
         type Error = &'static str;
@@ -220,9 +222,9 @@ mod tests {
             &self,
             index: usize,
             output: usize,
-            place: Place<Self>,
+            permit: WindowPermit<Self>,
         ) -> Result<(), &'static str> {
-            self.tell(Event::Delivered(index, output, place));
+            self.tell(Event::Delivered(index, output, permit));
             if output == 13 { Err("unlucky") } else { Ok(()) }
         }
 
@@ -239,7 +241,7 @@ mod tests {
         events: Receiver<Event>,
         started: BTreeMap<usize, Done>,
         delivered: Vec<usize>,
-        places: Vec<Place<Told>>,
+        permits: Vec<WindowPermit<Recorder>>,
         finished: Vec<Result<(), &'static str>>,
     }
 
@@ -247,12 +249,12 @@ mod tests {
         fn of(count: usize, window: usize) -> Self {
             let (sender, events) = channel();
             let items = (0..count).map(|index| 10 * index).collect();
-            Ordered::run(Told(sender), items, window);
+            Ordered::run(Recorder(sender), items, window);
             let mut run = Self {
                 events,
                 started: BTreeMap::new(),
                 delivered: Vec::new(),
-                places: Vec::new(),
+                permits: Vec::new(),
                 finished: Vec::new(),
             };
             run.look();
@@ -263,10 +265,10 @@ mod tests {
             for event in self.events.try_iter() {
                 match event {
                     Event::Started(item, done) => drop(self.started.insert(item, done)),
-                    Event::Delivered(index, output, place) => {
+                    Event::Delivered(index, output, permit) => {
                         assert_eq!(index, self.delivered.len());
                         self.delivered.push(output);
-                        self.places.push(place);
+                        self.permits.push(permit);
                     }
                     Event::Finished(outcome) => self.finished.push(outcome),
                 }
@@ -297,17 +299,17 @@ mod tests {
     }
 
     #[test]
-    fn no_more_are_started_than_the_window_before_a_place_is_given_back() {
+    fn no_more_are_started_than_the_window_before_a_permit_is_given_back() {
         let mut run = Run::of(5, 2);
         assert_eq!(run.in_hand(), [0, 10]);
         run.end(10, Ok(11));
         run.end(0, Ok(1));
         assert_eq!(run.delivered, [1, 11]);
-        assert!(run.in_hand().is_empty(), "both places are still taken");
-        run.places.pop();
+        assert!(run.in_hand().is_empty(), "both permits are still held");
+        run.permits.pop();
         run.look();
         assert_eq!(run.in_hand(), [20]);
-        run.places.clear();
+        run.permits.clear();
         run.look();
         assert_eq!(run.in_hand(), [20, 30]);
     }

@@ -8,7 +8,7 @@ pub enum RenderError {
     /// The device went away with the work on it; the same plan may succeed on the next one.
     #[error("the graphics device was lost: {reason}")]
     DeviceLost { reason: String },
-    /// The device has no room for this, now.
+    /// The device has too little free memory for this at the moment.
     #[error("the graphics device is out of memory: {reason}")]
     OutOfMemory { reason: String },
     /// Larger than this adapter can do at all.

@@ -1,4 +1,4 @@
-//! From a [`Plan`] to [`Outputs`](crate::frame::Outputs). `gpu` and `cpu` are twins that never name each other.
+//! From a [`Plan`] to [`Outputs`](crate::frame::Outputs). `gpu` and `cpu` draw the same picture and never name each other.
 //! Never lives here: sockets, files, encoders.
 
 mod capabilities;

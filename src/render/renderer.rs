@@ -5,7 +5,7 @@ use super::cpu::Cpu;
 use super::gpu::{self, Gpu};
 use crate::adapter::{AdapterChoice, AdapterError, AdapterInfo, AdapterKind};
 
-/// One of the twins, opened.
+/// One of the renderers, opened.
 pub enum Renderer {
     Gpu(Box<Gpu>),
     Cpu(Cpu),

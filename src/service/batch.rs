@@ -4,7 +4,7 @@
 use super::call::Call;
 use super::message::{Notification, Payload, Permit};
 use super::response::Responder;
-use crate::engine::{JobContext, MemoryPermit, Ordered, Place, Ticket, Work};
+use crate::engine::{JobContext, MemoryPermit, Ordered, Ticket, WindowPermit, Work};
 use crate::protocol::{Attachments, Fault, Id};
 use serde::Serialize;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -241,9 +241,14 @@ impl<I: Items> Work for Working<I> {
         Ok(())
     }
 
-    fn deliver(&self, index: usize, done: I::Done, place: Place<Self>) -> Result<(), Fault> {
+    fn deliver(
+        &self,
+        index: usize,
+        done: I::Done,
+        permit: WindowPermit<Self>,
+    ) -> Result<(), Fault> {
         if self.streams {
-            self.stream(index, done, place)
+            self.stream(index, done, permit)
         } else {
             self.put_together(done)
         }
@@ -272,7 +277,7 @@ impl<I: Items> Work for Working<I> {
 }
 
 impl<I: Items> Working<I> {
-    fn stream(&self, index: usize, done: I::Done, place: Place<Self>) -> Result<(), Fault> {
+    fn stream(&self, index: usize, done: I::Done, permit: WindowPermit<Self>) -> Result<(), Fault> {
         let stream = self
             .lock()
             .as_ref()
@@ -285,7 +290,7 @@ impl<I: Items> Working<I> {
             json,
             attachments,
             permit,
-        } = Payload::new(&params, attachments, Some(Permit::new(place)))?;
+        } = Payload::new(&params, attachments, Some(Permit::new(permit)))?;
         stream.send(Notification {
             method: I::READY,
             params: json,

@@ -100,9 +100,9 @@ fn violations(map: &str, sources: &[Source]) -> Vec<String> {
         let named = named(source);
         for named in rooms(&named) {
             let named_outer = named.split("::").next().unwrap_or(&named);
-            let is_twin =
+            let is_other_renderer =
                 named != *room && named.starts_with("render::") && room.starts_with("render::");
-            if is_twin || (named_outer != outer && !allowed.contains(named_outer)) {
+            if is_other_renderer || (named_outer != outer && !allowed.contains(named_outer)) {
                 found.push(format!("{file}: `{room}` names `{named}`"));
             }
         }

@@ -122,7 +122,7 @@ impl Subject {
         pairs.map(|(position, normal)| [position, normal]).collect()
     }
 
-    /// As the twin of the shader has it.
+    /// As it is on the CPU, in parity with the shader.
     pub fn by_cpu(&self, asked: &Asked, skinning: Skinning) -> Found {
         let found = SERVICE.engine().rig(&self.name).expect("a loaded rig");
         let edit = PoseEdit {
@@ -233,7 +233,7 @@ pub fn real(files: &[&str]) -> Option<Made> {
     })
 }
 
-/// The one place that knows how the twin is called.
+/// The one place that knows how the shader is called.
 fn skinned_by_cpu(posed: &Posed, skinning: Skinning) -> Found {
     let skinning = match skinning {
         Skinning::Linear => rigd::pose::Skinning::Linear,

@@ -89,7 +89,7 @@ fn keep(name: &str, [own, wgpu]: &[Image; 2]) -> PathBuf {
     });
     let pixels: Vec<[u8; 4]> = rows.collect();
     let image = Image::from_bytes([3 * own.width, own.height], pixels.as_flattened());
-    let path = super::places::output("twins").join(format!("{name}.png"));
+    let path = super::places::output("parity").join(format!("{name}.png"));
     image.write(&path);
     path
 }

@@ -148,7 +148,7 @@ impl Shared {
     }
 }
 
-/// What a panic leaves half-done is room to work in, which is filled anew for each plan.
+/// What a panic leaves half-done is scratch memory, which is filled anew for each plan.
 fn caught<T>(work: impl FnOnce() -> T) -> Result<T, EngineError> {
     catch_unwind(AssertUnwindSafe(work)).map_err(|_| EngineError::Internal {
         reason: "the renderer panicked".to_owned(),

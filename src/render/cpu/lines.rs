@@ -1,4 +1,4 @@
-//! Lines of constant width in pixels as pairs of triangles: the twin of `shaders/lines.wgsl`.
+//! Lines of constant width in pixels as pairs of triangles: in parity with `shaders/lines.wgsl`.
 
 use super::project::Projection;
 use crate::render::Segment;

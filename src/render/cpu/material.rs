@@ -1,4 +1,4 @@
-//! Parts of meshes whose material has parameters of its own: what it is at a pixel. The twin of `shaders/material.wgsl`. Never lives here: light.
+//! Parts of meshes whose material has parameters of its own: what it is at a pixel. In parity with `shaders/material.wgsl`. Never lives here: light.
 
 use super::interpolate::{Plane, Planes};
 use super::shade::{Fragment, MaterialSample};

@@ -1,4 +1,4 @@
-//! The picture without a GPU, stage by stage the twin of `gpu` and `shaders/`: skin, project, sort by tiles, raster, shade, resolve.
+//! The picture without a GPU, stage by stage in parity with `gpu` and `shaders/`: skin, project, sort by tiles, raster, shade, resolve.
 //! The same bytes for the same plan on every machine, whatever its threads and its vector unit: see `lanes`.
 
 mod alpha_test;

@@ -1,4 +1,4 @@
-//! Stages 4 and 5, blend and resolve: the twin of `shaders/resolve.wgsl`. Samples of a pixel are averaged, layers laid over each other,
+//! Stages 4 and 5, blend and resolve: in parity with `shaders/resolve.wgsl`. Samples of a pixel are averaged, layers laid over each other,
 //! and the outcome is encoded as sRGB.
 
 use super::lanes::{LANES, Lanes, power, saturate, transposed};

@@ -1,4 +1,4 @@
-//! Stage 3, shade: the twin of `shaders/light.wgsl`, for many fragments at a time. A fragment is what a triangle shows of one pixel.
+//! Stage 3, shade: in parity with `shaders/light.wgsl`, for many fragments at a time. A fragment is what a triangle shows of one pixel.
 
 use super::lanes::{LANES, Lanes, Vectors, power, powers, rows_of, saturate, transposed};
 use crate::render::instance_params::InstanceParams;

@@ -1,4 +1,4 @@
-//! Stage 1, skin: the twin of `shaders/skin*.wgsl`; the rules stand in [`Plan`](crate::render::Plan)'s module. Influences are blended
+//! Stage 1, skin: in parity with `shaders/skin*.wgsl`; the rules stand in [`Plan`](crate::render::Plan)'s module. Influences are blended
 //! one vertex after another, four numbers of a row at a time; what comes out is turned over to as many vertices at a time as there are lanes.
 
 use super::lanes::{LANES, Lanes, Vectors, transposed};

@@ -24,20 +24,20 @@ use support::{ask_ok, note};
 const VERTICES: f32 = 1e-5;
 
 /// rigd's own renderer, and wgpu's.
-static TWINS: LazyLock<Option<[Arc<Service>; 2]>> = LazyLock::new(|| {
-    let twins = [
+static RENDERERS: LazyLock<Option<[Arc<Service>; 2]>> = LazyLock::new(|| {
+    let renderers = [
         support::service_on("cpu")?,
         support::service_on(&support::adapters::wgpu_adapter())?,
     ];
-    twins.iter().for_each(load_corners);
-    twins.iter().for_each(load_reed);
-    twins.iter().for_each(load_samples);
-    Some(twins)
+    renderers.iter().for_each(load_corners);
+    renderers.iter().for_each(load_reed);
+    renderers.iter().for_each(load_samples);
+    Some(renderers)
 });
 
 /// Their pictures of one request, which must show something.
-fn drawn(twins: &[Arc<Service>; 2], name: &str, request: &Value) -> [Image; 2] {
-    let images = [0, 1].map(|twin| draw(&twins[twin], request).image);
+fn drawn(renderers: &[Arc<Service>; 2], name: &str, request: &Value) -> [Image; 2] {
+    let images = [0, 1].map(|index| draw(&renderers[index], request).image);
     let first = images[0].at(0, 0);
     assert!(
         images[0].pixels.len() == 1 || images[0].iter().any(|it| it.2 != first),
@@ -46,8 +46,8 @@ fn drawn(twins: &[Arc<Service>; 2], name: &str, request: &Value) -> [Image; 2] {
     images
 }
 
-fn compare(twins: &[Arc<Service>; 2], name: &str, request: &Value) -> (usize, usize) {
-    let images = drawn(twins, name, request);
+fn compare(renderers: &[Arc<Service>; 2], name: &str, request: &Value) -> (usize, usize) {
+    let images = drawn(renderers, name, request);
     alike::compare(name, &images, request["samples"] == 1)
 }
 
@@ -127,14 +127,16 @@ fn more() -> Vec<(&'static str, Value)> {
 
 #[test]
 fn both_renderers_draw_the_same_pictures() {
-    let Some(twins) = TWINS.as_ref() else { return };
+    let Some(renderers) = RENDERERS.as_ref() else {
+        return;
+    };
     let of_suite = suite().into_iter();
     let more = more()
         .into_iter()
         .map(|(name, changes)| (name, over(base(json!({})), changes)));
     let (mut off, mut all) = (0, 0);
     for (name, request) in of_suite.chain(more) {
-        let (of_picture, channels) = compare(twins, name, &request);
+        let (of_picture, channels) = compare(renderers, name, &request);
         println!("{name}: {of_picture} of {channels} channels differ by more than 1");
         (off, all) = (off + of_picture, all + channels);
     }
@@ -216,7 +218,9 @@ fn triangles_that_share_a_pixel_are_shaded_at_the_same_places_on_every_driver() 
 
 #[test]
 fn both_renderers_skin_the_same_vertices() {
-    let Some(twins) = TWINS.as_ref() else { return };
+    let Some(renderers) = RENDERERS.as_ref() else {
+        return;
+    };
     let dofs = json!({"morph.smile": 0.7, "forearm_l.rx": -1.2, "spine.ry": 0.5});
     for (skinning, range) in [
         ("linear", json!(null)),
@@ -231,8 +235,8 @@ fn both_renderers_skin_the_same_vertices() {
             request["range"] = range.clone();
         }
         for attribute in ["positions", "normals"] {
-            let [own, wgpu] = [0, 1].map(|twin| -> Vec<f32> {
-                let (result, attached) = ask_attached(&twins[twin], "mesh.vertices", &request);
+            let [own, wgpu] = [0, 1].map(|index| -> Vec<f32> {
+                let (result, attached) = ask_attached(&renderers[index], "mesh.vertices", &request);
                 let bytes = attached_bytes(&result["meshes"][0][attribute], &attached);
                 let words = bytes.as_chunks::<4>().0.iter();
                 words.map(|word| f32::from_le_bytes(*word)).collect()
@@ -248,15 +252,17 @@ fn both_renderers_skin_the_same_vertices() {
 
 #[test]
 fn culling_is_not_seen() {
-    let Some(twins) = TWINS.as_ref() else { return };
+    let Some(renderers) = RENDERERS.as_ref() else {
+        return;
+    };
     for (name, request) in suite() {
-        for (twin, of) in twins.iter().zip(["cpu", "wgpu"]) {
+        for (renderer, of) in renderers.iter().zip(["cpu", "wgpu"]) {
             // SwiftShader shows some samples of the far side along silhouettes.
             if of == "wgpu" && has_coarse_corners() {
                 continue;
             }
-            let culled = draw(twin, &request).image;
-            let whole = draw(twin, &over(request.clone(), json!({"cull": "never"}))).image;
+            let culled = draw(renderer, &request).image;
+            let whole = draw(renderer, &over(request.clone(), json!({"cull": "never"}))).image;
             let pixels = culled.pixels.iter().zip(&whole.pixels);
             let differing = pixels
                 .filter(|(a, b)| (0..4).any(|i| a[i].abs_diff(b[i]) > 1))
@@ -302,20 +308,22 @@ fn the_comparison_refuses_what_is_not_alike() {
 
 #[test]
 fn a_figure_that_moved_a_little_is_not_the_same() {
-    let Some(twins) = TWINS.as_ref() else { return };
-    let wgpu = draw(&twins[1], &base(json!({}))).image;
+    let Some(renderers) = RENDERERS.as_ref() else {
+        return;
+    };
+    let wgpu = draw(&renderers[1], &base(json!({}))).image;
     for change in [
         json!({"pose": {"base": "rest", "dofs": {"pelvis.tx": 0.005}}}),
         json!({"samples": 1}),
         json!({"material": {"specular": [0.26, 0.22, 0.22], "shininess": 40}}),
         json!({"show": {"normals": "flat"}}),
     ] {
-        let own = draw(&twins[0], &over(base(json!({})), change.clone())).image;
+        let own = draw(&renderers[0], &over(base(json!({})), change.clone())).image;
         assert!(matches(&wgpu, &own, ALIKE).is_err(), "{change}");
     }
     // Both know what they draw with.
-    let is_own = twins
+    let is_own = renderers
         .each_ref()
-        .map(|twin| ask_ok(twin, "server.info", json!({}))["adapter"]["type"] == "cpu");
+        .map(|renderer| ask_ok(renderer, "server.info", json!({}))["adapter"]["type"] == "cpu");
     assert_eq!(is_own, [true, false]);
 }
