@@ -1,12 +1,12 @@
 //! `mesh.vertices` and `mesh.topology`. Never lives here: skinning.
 
+use super::appearance::skinning;
 use super::arrays::little_endian;
 use super::call::Call;
 use super::describe;
 use super::message::{Payload, Permit};
 use super::pose::of_pose;
 use super::response::Responder;
-use super::scene::skinning;
 use super::vertices::{BYTES_PER_BYTE, PreparedVertices, queries, shape};
 use crate::protocol::blob::{ArrayTransport, Blob, Dtype};
 use crate::protocol::mesh as wire;

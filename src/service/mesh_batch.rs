@@ -1,11 +1,11 @@
 //! `mesh.batch`. Never lives here: how one pose is skinned, and the order of many.
 
+use super::appearance::skinning;
 use super::batch::{Batch, Items};
 use super::call::Call;
 use super::dof_row::DofRow;
 use super::prepared_pose::PreparedPose;
 use super::response::Responder;
-use super::scene::skinning;
 use super::vertices::{PackedVertices, PreparedVertices, queries, shape};
 use crate::engine::{JobContext, RigRef};
 use crate::protocol::batch::{BatchAttribute, MeshBatch, MeshBatchParams, MeshItem, MeshReady};

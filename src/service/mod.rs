@@ -4,9 +4,11 @@
 //! `dispatch` has the table of methods. Each family of methods has its file: from wire types to plain ones, one call to the engine, and
 //! back.
 
+mod appearance;
 mod arrays;
 mod batch;
 mod call;
+mod camera;
 mod describe;
 mod dispatch;
 mod dof_row;
@@ -16,6 +18,7 @@ mod frame;
 mod frame_batch;
 mod in_flight;
 mod in_process;
+mod lights;
 mod mesh;
 mod mesh_batch;
 mod message;

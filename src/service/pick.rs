@@ -1,12 +1,12 @@
 //! `scene.pick`.
 
+use super::appearance::skinning;
 use super::call::Call;
 use super::fault;
 use super::message::{Payload, Permit};
 use super::pose::of_pose;
 use super::prepared_pose::EvaluatedPose;
 use super::response::Responder;
-use super::scene::skinning;
 use crate::engine::PickQuery;
 use crate::pick::{Hit, What};
 use crate::protocol::pick as wire;

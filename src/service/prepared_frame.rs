@@ -1,9 +1,10 @@
 //! What a frame request asks for in plain types: checked once, worked out when its turn comes. Never lives here: drawing.
 
+use super::appearance::skinning;
 use super::call::Call;
 use super::file_lights;
 use super::prepared_pose::{EvaluatedPose, PreparedPose};
-use super::scene::{image_kinds, skinning};
+use super::scene::image_kinds;
 use crate::encode::Compression;
 use crate::engine::{FrameQuery, LoadedRig, RigRef};
 use crate::frame::ImageKind;

@@ -79,37 +79,31 @@ pub(super) fn add(
         }
     };
     check_limit(4 * sets.len() * read.count)?;
-    let mut of_sets = Vec::with_capacity(sets.len());
-    for set in sets {
-        let number = set.number;
-        let joints = read.integers(set.joints, &format!("JOINTS_{number}"), JOINTS)?;
-        let weights = read.vectors::<4>(set.weights, &format!("WEIGHTS_{number}"), WEIGHTS)?;
-        of_sets.push((number, joints, weights));
-    }
+    let sets = sets
+        .iter()
+        .map(|set| set.read(read))
+        .collect::<Result<Vec<_>, _>>()?;
     // By joint of the skin, the last vertex that named it.
     let mut named_by = vec![usize::MAX; bindings.len()];
     for vertex in 0..read.count {
         let before = mesh.influences.len();
         let mut sum = 0.0;
         let (mut is_negative, mut is_repeated, mut is_beyond) = (false, false, false);
-        for (number, joints, weights) in &of_sets {
-            for (&joint, &weight) in joints[4 * vertex..][..4].iter().zip(&weights[vertex]) {
-                let joint = joint as usize;
-                // A joint that nothing follows may be any.
-                if weight == 0.0 {
-                    is_beyond |= joint >= bindings.len();
-                    continue;
-                }
-                let Some(&binding) = bindings.get(joint) else {
-                    let path = format!("{}.attributes.JOINTS_{number}, vertex {vertex}", read.path);
-                    let expected = format!("one of the {} joints of the skin", bindings.len());
-                    return Err(faults.load(&path, expected, joint.to_string()));
-                };
-                is_negative |= weight < 0.0;
-                is_repeated |= std::mem::replace(&mut named_by[joint], vertex) == vertex;
-                sum += f64::from(weight);
-                mesh.influences.push((binding, f64::from(weight)));
+        for (number, joint, weight) in sets.iter().flat_map(|set| set.of_vertex(vertex)) {
+            // A joint that nothing follows may be any.
+            if weight == 0.0 {
+                is_beyond |= joint >= bindings.len();
+                continue;
             }
+            let Some(&binding) = bindings.get(joint) else {
+                let path = format!("{}.attributes.JOINTS_{number}, vertex {vertex}", read.path);
+                let expected = format!("one of the {} joints of the skin", bindings.len());
+                return Err(faults.load(&path, expected, joint.to_string()));
+            };
+            is_negative |= weight < 0.0;
+            is_repeated |= std::mem::replace(&mut named_by[joint], vertex) == vertex;
+            sum += f64::from(weight);
+            mesh.influences.push((binding, f64::from(weight)));
         }
         if sum <= 0.0 {
             mesh.influences.truncate(before);
@@ -123,6 +117,34 @@ pub(super) fn add(
             .push((mesh.influences.len() - before) as u32);
     }
     Ok(violations)
+}
+
+/// The numbers of a [`Set`], of all vertices.
+struct ReadSet {
+    number: u32,
+    joints: Vec<u32>,
+    weights: Vec<[f32; 4]>,
+}
+
+impl Set {
+    fn read(&self, read: &VertexReader<'_>) -> Result<ReadSet, LoadError> {
+        let number = self.number;
+        Ok(ReadSet {
+            number,
+            joints: read.integers(self.joints, &format!("JOINTS_{number}"), JOINTS)?,
+            weights: read.vectors(self.weights, &format!("WEIGHTS_{number}"), WEIGHTS)?,
+        })
+    }
+}
+
+impl ReadSet {
+    /// The set's number, a joint of the skin and its weight, four of each.
+    fn of_vertex(&self, vertex: usize) -> impl Iterator<Item = (u32, usize, f32)> {
+        let joints = self.joints[4 * vertex..][..4].iter();
+        let weights = self.weights[vertex];
+        let pairs = joints.zip(weights);
+        pairs.map(|(&joint, weight)| (self.number, joint as usize, weight))
+    }
 }
 
 impl Violations {

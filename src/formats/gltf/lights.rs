@@ -45,29 +45,16 @@ pub(super) fn read(
     let mut lights = Vec::new();
     for (index, light) in carried {
         let path = format!("nodes[{index}].extensions.{LIGHTS}.light");
-        let named = light.get("light").and_then(Value::as_u64);
-        let Some(light) = named.and_then(|it| described.get(usize::try_from(it).ok()?)) else {
-            let expected = format!("one of the {} lights", described.len());
-            let sentence = format!("{path} is left out: it is not {expected}");
-            warnings.push(|| faults.warning(&sentence));
-            continue;
-        };
-        let Some(light) = light else { continue };
-        let Some(transform) = nodes.transform(index).filter(is_usable) else {
-            let sentence =
-                format!("{path} is left out: its node stands beyond ±{LARGEST_COORDINATE:e}");
-            warnings.push(|| faults.warning(&sentence));
-            continue;
-        };
-        let name = light.name.as_ref().or(root.nodes[index].name.as_ref());
-        lights.push(FileLight {
-            name: faults.name(name.map(String::as_str), &path, warnings),
-            joint: transform.joint,
-            joint_from_light: transform.joint_from_node,
-            kind: light.kind(),
-            color: Vec3::from_array(light.color),
-            intensity: light.intensity,
-        });
+        let named = named(light, &described);
+        match named.and_then(|light| Ok((light, carrier(nodes, index)?))) {
+            Ok((Some(light), carrier)) => {
+                let name = light.name.as_ref().or(root.nodes[index].name.as_ref());
+                let name = faults.name(name.map(String::as_str), &path, warnings);
+                lights.push(light.carried_by(carrier, name));
+            }
+            Ok((None, _)) => {}
+            Err(why) => warnings.push(|| faults.warning(&format!("{path} is left out: {why}"))),
+        }
     }
     let most = usize::try_from(limits.lights).unwrap_or(usize::MAX);
     if lights.len() > most {
@@ -78,11 +65,26 @@ pub(super) fn read(
     lights
 }
 
-fn is_usable(transform: &NodeTransform) -> bool {
-    let numbers = transform.joint_from_node.to_cols_array();
-    numbers
-        .iter()
-        .all(|number| number.abs() <= LARGEST_COORDINATE)
+/// The light that a node names; `None` is one that was left out.
+fn named<'a>(
+    light: &Value,
+    described: &'a [Option<LightInFile>],
+) -> Result<Option<&'a LightInFile>, String> {
+    let index = light.get("light").and_then(Value::as_u64);
+    let found = index.and_then(|index| described.get(usize::try_from(index).ok()?));
+    let count = described.len();
+    let found = found.ok_or_else(|| format!("it is not one of the {count} lights"))?;
+    Ok(found.as_ref())
+}
+
+fn carrier(nodes: &Nodes, index: usize) -> Result<NodeTransform, String> {
+    let is_usable = |transform: &NodeTransform| {
+        let numbers = transform.joint_from_node.to_cols_array();
+        let mut numbers = numbers.iter();
+        numbers.all(|number| number.abs() <= LARGEST_COORDINATE)
+    };
+    let transform = nodes.transform(index).filter(is_usable);
+    transform.ok_or_else(|| format!("its node stands beyond ±{LARGEST_COORDINATE:e}"))
 }
 
 /// A light as the file describes it.
@@ -133,6 +135,17 @@ fn one() -> f64 {
 }
 
 impl LightInFile {
+    fn carried_by(&self, node: NodeTransform, name: String) -> FileLight {
+        FileLight {
+            name,
+            joint: node.joint,
+            joint_from_light: node.joint_from_node,
+            kind: self.kind(),
+            color: Vec3::from_array(self.color),
+            intensity: self.intensity,
+        }
+    }
+
     fn kind(&self) -> FileLightKind {
         match self.kind {
             LightType::Directional => FileLightKind::Directional,
