@@ -17,11 +17,16 @@ pub enum AdapterChoice {
     Named(String),
 }
 
+/// A graphics interface that adapters are driven through.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Backend {
+    /// Vulkan, on systems other than Apple's.
     Vulkan,
+    /// OpenGL or OpenGL ES; its adapters come after those of all other interfaces.
     Gl,
+    /// Metal, on Apple's systems alone.
     Metal,
+    /// Direct3D 12, on Windows alone.
     Dx12,
 }
 
@@ -44,9 +49,11 @@ impl FromStr for AdapterChoice {
 /// What an adapter says of itself.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AdapterInfo {
+    /// As its driver gives it; a part of it is what [`AdapterChoice::Named`] asks for.
     pub name: String,
     /// `vulkan`, `gl`, `metal`, `dx12` or `cpu`.
     pub backend: &'static str,
+    /// What draws: a GPU, or the CPU with or without a driver.
     pub kind: AdapterKind,
     /// Name and version as the driver gives them.
     pub driver: String,
@@ -57,7 +64,9 @@ pub struct AdapterInfo {
 /// How fast to expect it to be, best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum AdapterKind {
+    /// A GPU with memory of its own.
     Discrete,
+    /// A GPU that shares the CPU's memory, a virtual one, or one whose driver does not say which it is.
     Integrated,
     /// A driver that draws on the CPU.
     Software,
@@ -97,19 +106,34 @@ impl fmt::Display for AdapterInfo {
 /// Why there is no adapter to work with.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum AdapterError {
+    /// The system has no adapter at all, not even a driver that draws on the CPU.
     #[error("no graphics adapter was found (`rigd doctor` tells more); `--adapter cpu` needs none")]
     None,
+    /// None of the adapters is what was asked for, or the one that was in use is gone.
     #[error("no adapter matches `{asked}`; there are: {}", list(.found))]
     NoMatch {
+        /// What `--adapter` says, or the name of the adapter that was in use.
         asked: String,
+        /// All that were looked at.
         found: Vec<AdapterInfo>,
     },
+    /// Those that match what was asked for draw on the CPU, but a real GPU is required.
     #[error("a real GPU is required, but there are only: {}", list(.found))]
-    OnlySoftware { found: Vec<AdapterInfo> },
+    OnlySoftware {
+        /// Those that match.
+        found: Vec<AdapterInfo>,
+    },
+    /// Two requirements that exclude each other: rigd's own renderer, and a real GPU.
     #[error("a real GPU is required, and rigd's own renderer asked for: only one can be had")]
     CpuIsNoGpu,
+    /// There is an adapter, but no device or thread to draw with can be made on it.
     #[error("the adapter {adapter} gives no device: {reason}")]
-    NoDevice { adapter: String, reason: String },
+    NoDevice {
+        /// Name, kind, interface and driver, as [`AdapterInfo`] displays them.
+        adapter: String,
+        /// The driver's or the system's own words.
+        reason: String,
+    },
 }
 
 fn list(found: &[AdapterInfo]) -> String {
@@ -132,6 +156,7 @@ impl AdapterChoice {
 }
 
 impl Backend {
+    /// As `--adapter` and [`AdapterInfo::backend`] spell it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Vulkan => "vulkan",

@@ -29,7 +29,9 @@ pub struct Client {
 /// A reply with the raw bytes that followed its line.
 #[derive(Debug)]
 pub struct Received {
+    /// That of the request; [`Id::Null`] where the server could not tell which request it was.
     pub id: Id,
+    /// The result as the server wrote it in JSON, or its error.
     pub outcome: Result<Box<RawValue>, ErrorObject>,
     /// Blobs with the encoding `attach` lie in here.
     pub attached: Vec<u8>,
@@ -49,7 +51,9 @@ pub struct Notification {
 /// One message of the server's.
 #[derive(Debug)]
 pub enum Message {
+    /// An item of a streamed batch, ahead of the batch's reply.
     Notification(Notification),
+    /// The one answer to a request.
     Reply(Received),
 }
 

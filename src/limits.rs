@@ -7,7 +7,9 @@
 pub struct LimitExceeded {
     /// The field of [`Limits`] that was met.
     pub limit: &'static str,
+    /// The value of that ceiling, in its unit.
     pub maximum: u64,
+    /// How much the request came to, in the same unit; `u64::MAX` where it is more than 64 bits hold.
     pub asked: u64,
 }
 

@@ -10,16 +10,37 @@ pub struct FrameRate(f64);
 /// Why a file of several frames cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum AnimationError {
+    /// A GIF is asked for frames faster than viewers show them.
     #[error("a GIF shows at most {most} frames a second, but {asked} are wanted")]
-    TooQuick { most: f64, asked: f64 },
+    TooQuick {
+        /// The highest rate, in frames a second.
+        most: f64,
+        /// The rate that was asked for, in frames a second.
+        asked: f64,
+    },
+    /// A GIF is asked for a side that its 16 bits cannot hold.
     #[error("a GIF has at most 65535 pixels a side, but {width}x{height} are wanted")]
-    TooLarge { width: u32, height: u32 },
-    #[error("a frame is of {} pixels, but the first one was of {}", size(.found), size(.expected))]
-    OtherSize { expected: Size, found: Size },
+    TooLarge {
+        /// In pixels, as asked for.
+        width: u32,
+        /// In pixels, as asked for.
+        height: u32,
+    },
+    /// A frame is not of the size that the file was begun with.
+    #[error("a frame is of {} pixels, but the animation is of {}", size(.found), size(.expected))]
+    OtherSize {
+        /// That of the file.
+        expected: Size,
+        /// That of the frame.
+        found: Size,
+    },
+    /// The GIF encoder failed, or what it writes to.
     #[error(transparent)]
     Gif(#[from] gif::EncodingError),
+    /// The PNG encoder failed, or what it writes to; also where frames are lacking or too many.
     #[error(transparent)]
     Png(#[from] png::EncodingError),
+    /// The end of a GIF could not be written or flushed.
     #[error(transparent)]
     Io(#[from] std::io::Error),
 }
@@ -52,6 +73,7 @@ impl FrameRate {
             .then_some(Self(per_second))
     }
 
+    /// How many frames a second, from [`Self::LEAST`] to [`Self::MOST`].
     pub fn per_second(self) -> f64 {
         self.0
     }

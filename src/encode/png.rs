@@ -6,9 +6,12 @@ use png::{BitDepth, ColorType, Encoder, EncodingError, Filter};
 /// How much time to spend on how small a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Compression {
+    /// The least time and the largest file.
     #[default]
     Fast,
+    /// Between the two others in time and size.
     Default,
+    /// The smallest file, whatever time it takes.
     Best,
 }
 

@@ -7,22 +7,51 @@ use std::io;
 /// Why [`load`](super::load) gave no rig. `file` is always the name that the request used, never a path of the server's own.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
+    /// The request lists no file.
     #[error("no files are given")]
     NoFiles,
+    /// Two files have the same base name, by which other files refer to them.
     #[error("two of the files are named `{name}`")]
-    SameName { name: String },
+    SameName {
+        /// What follows the last slash in both names.
+        name: String,
+    },
+    /// Two of the files, sent or referred to, hold a skeleton.
     #[error("`{first}` and `{second}` are both skeletons, but a rig has at most one")]
-    TwoSkeletons { first: String, second: String },
+    TwoSkeletons {
+        /// The one that was met first.
+        first: String,
+        /// The one that was met after it.
+        second: String,
+    },
+    /// There is nothing at a path of the request.
     #[error("file `{file}` was not found")]
-    FileNotFound { file: String },
+    FileNotFound {
+        /// The path as the request has it.
+        file: String,
+    },
+    /// The [`Source`](super::Source) or the system refuses a path of the request, or a name ends in no file name or is too long.
     #[error("file `{file}` may not be opened: {reason}")]
-    PathNotAllowed { file: String, reason: &'static str },
+    PathNotAllowed {
+        /// The path or name as the request has it, shortened where it is too long.
+        file: String,
+        /// In words, to follow a colon.
+        reason: &'static str,
+    },
+    /// What a file holds is wrong, or does not go together with the other files.
     #[error(transparent)]
     Invalid(#[from] FileFault),
+    /// The files, or the rig that they hold, are larger than a ceiling allows.
     #[error(transparent)]
     Limit(#[from] LimitExceeded),
+    /// Opening or reading a file of the request failed for any other reason.
     #[error("file `{file}` could not be read: {source}")]
-    Io { file: String, source: io::Error },
+    Io {
+        /// The path as the request has it.
+        file: String,
+        /// The system's own error.
+        source: io::Error,
+    },
 }
 
 /// What is wrong in a file, and where: `wasp.skel:41:9: expected a number after `rotxlimit`, but found `abc``.
@@ -35,7 +64,9 @@ pub struct FileFault {
     pub line: usize,
     /// From 1, in characters; a tab is one.
     pub column: usize,
+    /// What should stand there, in words that follow "expected".
     pub expected: String,
+    /// What stands there instead, in words; text of the file is in back quotes.
     pub found: String,
 }
 

@@ -19,6 +19,7 @@ use std::sync::Arc;
 pub enum FileRef {
     /// Opened by the [`Source`]; relative to its root where it has one.
     Path(String),
+    /// Sent with the request; no file is opened.
     Inline(File),
 }
 
@@ -27,6 +28,7 @@ pub enum FileRef {
 pub struct File {
     /// As given, e.g. `wasp/wasp.skel`; other files know it by what follows the last slash.
     pub name: String,
+    /// All of its content, not decoded.
     pub bytes: Arc<[u8]>,
 }
 

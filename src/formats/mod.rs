@@ -44,6 +44,7 @@ pub const FORMATS: &[&str] = &readers::NAMES;
 /// A rig and what its files say about it as files.
 #[derive(Debug)]
 pub struct Loaded {
+    /// What the files hold together, validated.
     pub rig: Rig,
     /// The stem of the first file.
     pub name: String,

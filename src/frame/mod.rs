@@ -21,6 +21,7 @@ pub enum TexelFormat {
 }
 
 impl ImageKind {
+    /// How the pixels of a raster of this kind are stored.
     pub fn texel_format(self) -> TexelFormat {
         match self {
             Self::Color => TexelFormat::Rgba8Srgb,
@@ -45,7 +46,9 @@ impl TexelFormat {
 /// One value for each pixel of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Raster {
+    /// What its pixels tell, and so how they are stored.
     pub kind: ImageKind,
+    /// In pixels.
     pub size: Size,
     /// [As many](ImageKind::bytes) as the kind takes: rows from the top, without padding.
     pub bytes: Pooled<Vec<u8>>,
@@ -63,6 +66,7 @@ pub struct Outputs {
 /// Skinned vertices of one mesh, or of a range of it, in the file's own order.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SkinnedVertices {
+    /// Vertices of the mesh or of the range that was asked for.
     pub vertex_count: usize,
     /// `3 * vertex_count` numbers in model space, where asked for.
     pub positions: Option<Pooled<Vec<f32>>>,

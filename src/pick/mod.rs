@@ -12,13 +12,16 @@ use glam::DVec3;
 /// What a ray may meet; what is `None` is not asked for.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Targets<'a> {
+    /// Bones to meet.
     pub bones: Option<Bones<'a>>,
+    /// Skin to meet.
     pub skin: Option<Skin<'a>>,
 }
 
 /// The bones of a pose: cylinders from joint to child, closed by flat discs.
 #[derive(Debug, Clone, Copy)]
 pub struct Bones<'a> {
+    /// Whose joints they connect, in world space.
     pub posed: &'a Posed,
     /// Of all of them; `None` leaves each as thick as it is drawn.
     pub radius: Option<BoneRadius>,
@@ -27,7 +30,9 @@ pub struct Bones<'a> {
 /// The triangles of a rig, its vertices where a renderer put them.
 #[derive(Debug, Clone, Copy)]
 pub struct Skin<'a> {
+    /// The rig in its pose, which may turn the sides of its triangles over.
     pub posed: &'a Posed,
+    /// Which form of the skin `meshes` holds: in its pose, or as it was modelled.
     pub shape: Shape,
     /// Whether the backs of single-sided materials are met as well.
     pub cull: Cull,
@@ -45,11 +50,14 @@ pub struct Hit {
     pub distance: f64,
     /// In world space.
     pub position: DVec3,
+    /// Which bone, or which place of the skin.
     pub what: What,
 }
 
+/// What a ray met, and where on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum What {
+    /// A bone, on its wall or on one of its discs.
     Bone {
         /// The joint that turns the bone.
         joint: usize,
@@ -58,6 +66,7 @@ pub enum What {
         /// How far along it, 0 at `joint` and 1 at `child`.
         along: f64,
     },
+    /// A triangle of a mesh.
     Skin {
         /// Index into [`Rig::meshes`](crate::rig::Rig::meshes).
         mesh: usize,

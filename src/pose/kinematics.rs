@@ -22,6 +22,7 @@ pub struct Posed {
 pub struct Bone {
     /// The joint that turns it.
     pub owner: usize,
+    /// The joint that it leads to.
     pub child: usize,
     /// Where the owner is, in world space.
     pub from: DVec3,
@@ -37,10 +38,18 @@ const LARGEST_RADIUS_SHARE: f64 = 0.2;
 /// A pose that flings a rig further than numbers reach.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PoseOutOfRange {
+    /// The transform of a joint to the world, or that of what is bound to it, has a number that is too large.
     #[error("the pose moves joint `{joint}` by more than {LARGEST_MOVE:e} units")]
-    Joint { joint: String },
+    Joint {
+        /// Its name in the rig.
+        joint: String,
+    },
+    /// A weight is so large that vertices could leave the range of float32.
     #[error("the weight of morph target `{morph}` is beyond ±{LARGEST_WEIGHT:e}")]
-    Morph { morph: String },
+    Morph {
+        /// The target's name in the rig.
+        morph: String,
+    },
 }
 
 /// Coordinates of a rig stay below [`LARGEST_COORDINATE`](crate::rig::LARGEST_COORDINATE), so a vertex moved by this stays far inside float32.
@@ -102,6 +111,7 @@ impl Posed {
         })
     }
 
+    /// The rig that the pose is of.
     pub fn rig(&self) -> &Arc<Rig> {
         &self.rig
     }
@@ -111,6 +121,7 @@ impl Posed {
         &self.world_from_joint
     }
 
+    /// The skinning palette of the pose, made at the first call for each way of skinning.
     pub fn palette(&self, skinning: Skinning) -> &Palette {
         let [linear, dual_quaternion] = &self.palettes;
         let palette = match skinning {

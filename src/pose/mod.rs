@@ -46,8 +46,11 @@ struct JointPose {
 /// A joint in its parent's frame: `T(translation) * R(rotation) * S(scale)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Local {
+    /// Its origin in the parent's frame, in the rig's units.
     pub translation: DVec3,
+    /// Unit length.
     pub rotation: DQuat,
+    /// Factors along the joint's own axes.
     pub scale: DVec3,
 }
 
@@ -87,11 +90,13 @@ pub struct ClipAt {
 /// Changes to a [`Pose`]: clips first, then rotations, then DOFs. Numbers are finite, quaternions of unit length, indices in range.
 #[derive(Debug, Clone, Default)]
 pub struct PoseEdit {
+    /// Mixed by their weights, in this order.
     pub clips: Vec<ClipAt>,
     /// `(joint, local rotation)`
     pub rotations: Vec<(usize, DQuat)>,
     /// `(index into the rig's DOFs, value)`
     pub dofs: Vec<(usize, f64)>,
+    /// What becomes of values that leave the limits of their DOFs.
     pub limits: LimitPolicy,
 }
 
@@ -100,7 +105,9 @@ pub struct PoseEdit {
 pub struct Clamped {
     /// Index into the rig's DOFs.
     pub dof: usize,
+    /// The value that the edit came to, in the DOF's unit.
     pub asked: f64,
+    /// The value of the new pose, in the same unit.
     pub used: f64,
 }
 
@@ -108,9 +115,13 @@ pub struct Clamped {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("`{dof}` of {asked} is outside its limits {min}..{max}")]
 pub struct OutsideLimits {
+    /// Its name in the rig.
     pub dof: String,
+    /// The value that the edit came to, in the DOF's unit.
     pub asked: f64,
+    /// The smallest value allowed, in the same unit.
     pub min: f64,
+    /// The largest value allowed, in the same unit.
     pub max: f64,
 }
 
@@ -141,6 +152,7 @@ impl Pose {
         }
     }
 
+    /// The rig that it is a pose of.
     pub fn rig(&self) -> &Arc<Rig> {
         &self.rig
     }
@@ -185,6 +197,7 @@ impl Pose {
         }
     }
 
+    /// How a joint, by its index, stands in its parent's frame.
     pub fn local(&self, joint: usize) -> Local {
         let JointPose {
             displacement,

@@ -18,6 +18,7 @@ pub enum Skinning {
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct SkinMatrix {
+    /// The fourth component of each is the translation, in the rig's units.
     pub rows: [Vec4; 3],
 }
 
@@ -36,7 +37,9 @@ pub struct SkinDualQuaternion {
 /// One entry per binding, in the order of [`Rig::bindings`]. Finite, and so small that no vertex can overflow.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Palette {
+    /// To average as [`Skinning::Linear`] does.
     Linear(Vec<SkinMatrix>),
+    /// To average as [`Skinning::DualQuaternion`] does.
     DualQuaternion(Vec<SkinDualQuaternion>),
 }
 
@@ -56,6 +59,7 @@ impl Palette {
         }
     }
 
+    /// The way of skinning that its entries are for.
     pub fn skinning(&self) -> Skinning {
         match self {
             Self::Linear(_) => Skinning::Linear,

@@ -9,6 +9,7 @@ use glam::{DQuat, DVec3};
 pub enum Space {
     /// The joint's own, which turns with it.
     Joint,
+    /// The world's, in which root joints are placed.
     World,
 }
 

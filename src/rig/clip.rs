@@ -9,18 +9,23 @@ pub struct Clip {
     pub name: String,
     /// From when to when it is meant to be played, in seconds. Reported, never applied.
     pub range: [f64; 2],
+    /// What it sets; DOFs and joints that none of them names keep the values of the pose.
     pub channels: Vec<Channel>,
 }
 
 /// A curve and what it sets.
 #[derive(Debug)]
 pub enum Channel {
+    /// Sets one DOF.
     Dof {
         /// Index into the rig's DOFs.
         dof: usize,
+        /// In the DOF's unit.
         curve: Curve<f64>,
     },
+    /// Sets all three angles of a joint at once.
     Rotation {
+        /// Index into the skeleton's joints.
         joint: usize,
         /// Of the local rotation; what it comes to is made unit.
         curve: Curve<DQuat>,
@@ -32,6 +37,7 @@ pub enum Channel {
 pub struct Curve<V> {
     /// In ascending order of time, no two at the same; a curve without keys is 0, or no rotation, everywhere.
     pub keys: Vec<Key<V>>,
+    /// What holds between keys.
     pub interpolation: Interpolation,
     /// What holds before the first key.
     pub before: Extrapolation,
@@ -39,13 +45,16 @@ pub struct Curve<V> {
     pub after: Extrapolation,
 }
 
+/// A value at a moment, and the slopes of the curve there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Key<V> {
     /// In seconds.
     pub time: f64,
+    /// In the unit of what the curve sets.
     pub value: V,
-    /// Slopes by which the curve comes in and goes out, in value per second. Only [`Interpolation::Cubic`] looks at them inside.
+    /// The slope by which the curve comes in, in value per second. Between keys only [`Interpolation::Cubic`] looks at slopes.
     pub slope_in: V,
+    /// The slope by which it goes out, in the same unit.
     pub slope_out: V,
 }
 

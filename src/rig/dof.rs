@@ -7,13 +7,31 @@ use std::collections::HashMap;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum DofKind {
     /// Displacement from rest along an axis of the parent, in the rig's units.
-    Translation { joint: usize, axis: Axis },
+    Translation {
+        /// Index into [`Skeleton::joints`].
+        joint: usize,
+        /// Of the parent.
+        axis: Axis,
+    },
     /// Absolute local Euler angle about an axis, in radians.
-    Rotation { joint: usize, axis: Axis },
+    Rotation {
+        /// Index into [`Skeleton::joints`].
+        joint: usize,
+        /// About which the angle turns, in its place in the joint's rotation order.
+        axis: Axis,
+    },
     /// Absolute local scale along an axis of the joint's own.
-    Scale { joint: usize, axis: Axis },
+    Scale {
+        /// Index into [`Skeleton::joints`].
+        joint: usize,
+        /// Of the joint's own.
+        axis: Axis,
+    },
     /// Weight of a morph target: 0 leaves the mesh as modelled, 1 is the target itself.
-    Morph { morph: usize },
+    Morph {
+        /// Index into [`Rig::morphs`](super::Rig::morphs).
+        morph: usize,
+    },
 }
 
 impl DofKind {
@@ -33,7 +51,9 @@ impl DofKind {
 pub struct Dof {
     /// `<joint>.<tx|ty|tz|rx|ry|rz|sx|sy|sz>` or `morph.<target>`, unique in its rig.
     pub name: String,
+    /// What it moves, and along or about which axis.
     pub kind: DofKind,
+    /// Which values an edit may give it, in its unit; only rotations have any.
     pub limit: Limit,
     /// The file's own value, inside `limit`.
     pub rest: f64,
@@ -110,6 +130,7 @@ impl Dofs {
         });
     }
 
+    /// In the order on the wire, which their indices count by.
     pub fn all(&self) -> &[Dof] {
         &self.all
     }

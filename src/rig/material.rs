@@ -4,20 +4,24 @@ use super::Texture;
 use glam::{Vec2, Vec3, Vec4};
 use std::sync::Arc;
 
-/// A named surface. What is `None` is the frame request's.
+/// A named surface. A color or number that is `None` is the frame request's.
 #[derive(Debug, Clone)]
 pub struct Material {
+    /// Unique in a built rig; empty in a draft where the file gives none.
     pub name: String,
     /// Linear RGB and opacity.
     pub color: Option<Vec4>,
     /// Multiplies the color.
     pub texture: Option<TexturePlace>,
+    /// What it mirrors of lights.
     pub highlight: Option<Highlight>,
     /// Linear RGB that it gives off by itself.
     pub emissive: Vec3,
     /// Multiplies `emissive`.
     pub emissive_texture: Option<TexturePlace>,
+    /// Bends the normals that it is lit by; `None` leaves those of the vertices.
     pub normal_map: Option<NormalMap>,
+    /// Whether and where it lets through what is behind it.
     pub opacity: Opacity,
     /// Whether it is seen from the front alone, the side from which the file winds triangles counter-clockwise.
     pub is_single_sided: bool,
@@ -37,6 +41,7 @@ pub struct Highlight {
 /// A texture and how it lies on a surface.
 #[derive(Debug, Clone)]
 pub struct TexturePlace {
+    /// Shared where several places show the same texels.
     pub texture: Arc<Texture>,
     /// What happens beyond its left and right edges, and beyond its upper and lower ones.
     pub wrap: [Wrap; 2],
@@ -47,13 +52,16 @@ pub struct TexturePlace {
 /// An affine map of texture coordinates: the columns of its matrix, and what is added.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TextureTransform {
+    /// What one unit of u and of v comes to.
     pub columns: [Vec2; 2],
+    /// Where (0, 0) comes to lie.
     pub offset: Vec2,
 }
 
 /// What lies beyond the edges of a texture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Wrap {
+    /// The texture again, as often as it takes.
     #[default]
     Repeat,
     /// Again, every other time mirrored.
@@ -65,6 +73,7 @@ pub enum Wrap {
 /// Directions in tangent space: red to the right of the picture, green up, blue out of the surface.
 #[derive(Debug, Clone)]
 pub struct NormalMap {
+    /// The picture that holds the directions, read as numbers and not as colors.
     pub place: TexturePlace,
     /// Multiplies what leans to the right and up.
     pub scale: f32,
@@ -124,6 +133,7 @@ impl TexturePlace {
 }
 
 impl TextureTransform {
+    /// Leaves every point where it is.
     pub const IDENTITY: Self = Self {
         columns: [Vec2::X, Vec2::Y],
         offset: Vec2::ZERO,

@@ -15,7 +15,7 @@ pub struct Binding {
 }
 
 impl Binding {
-    pub const WORLD: Self = Self {
+    pub(super) const WORLD: Self = Self {
         joint: None,
         joint_from_bind: DAffine3::IDENTITY,
     };
@@ -36,7 +36,9 @@ pub struct Influence {
 pub struct BindingBounds {
     /// Index into [`Rig::bindings`](super::Rig::bindings).
     pub binding: u32,
+    /// The smallest coordinates, in the rig's units.
     pub min: Vec3,
+    /// The largest coordinates, in the rig's units.
     pub max: Vec3,
 }
 
@@ -51,6 +53,7 @@ pub struct Part {
     pub(super) in_variants: BTreeMap<usize, Look>,
     /// Lit by each triangle's own normal, whatever is asked for.
     pub is_flat: bool,
+    /// Which of them can be seen with the file's own choice of materials.
     pub sides: Sides,
     /// The mean of its triangles' corners, in bind space.
     pub center: Vec3,
@@ -63,6 +66,7 @@ pub struct Part {
 pub struct Look {
     /// Index into [`Rig::materials`](super::Rig::materials).
     pub material: Option<usize>,
+    /// Which sides can be seen of what is made of it.
     pub sides: Sides,
 }
 
@@ -108,15 +112,18 @@ impl Part {
 /// Which sides of a surface there are to be seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sides {
+    /// Front and back of each triangle.
     Both,
     /// It is part of what encloses a volume, whatever the pose. The first so many draw triangles are wound counter-clockwise seen from
     /// outside, the rest seen from within.
     Outside {
+        /// Draw triangles of the part that are wound counter-clockwise seen from outside.
         count: usize,
     },
     /// Its material is single-sided. The first so many draw triangles are wound counter-clockwise seen from the front, the rest seen
     /// from the back.
     Front {
+        /// Draw triangles of the part that are wound counter-clockwise seen from the front.
         count: usize,
     },
 }
@@ -162,6 +169,7 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// Unique in its rig.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -220,6 +228,7 @@ impl Mesh {
         &self.influences
     }
 
+    /// Those of one draw vertex, never empty.
     pub fn influences_of(&self, vertex: usize) -> &[Influence] {
         &self.influences
             [self.influence_starts[vertex] as usize..self.influence_starts[vertex + 1] as usize]

@@ -66,18 +66,22 @@ pub struct Rig {
 }
 
 impl Rig {
+    /// Under which renderers keep what they made of this rig.
     pub fn id(&self) -> RigId {
         self.id
     }
 
+    /// Its joints; there are none where the rig is only a mesh.
     pub fn skeleton(&self) -> &Skeleton {
         &self.skeleton
     }
 
+    /// The numbers that a pose of it sets.
     pub fn dofs(&self) -> &Dofs {
         &self.dofs
     }
 
+    /// In load order; empty where the rig is only a skeleton.
     pub fn meshes(&self) -> &[Mesh] {
         &self.meshes
     }
@@ -87,6 +91,7 @@ impl Rig {
         &self.bindings
     }
 
+    /// What parts of meshes name by index; in load order, empty where the files have none.
     pub fn materials(&self) -> &[Material] {
         &self.materials
     }
@@ -102,6 +107,7 @@ impl Rig {
         Some(&self.materials[material])
     }
 
+    /// Lights of the files, which shine only where a picture asks for them.
     pub fn lights(&self) -> &[FileLight] {
         &self.lights
     }
@@ -117,6 +123,7 @@ impl Rig {
         &self.morphs
     }
 
+    /// In load order.
     pub fn clips(&self) -> &[Clip] {
         &self.clips
     }
@@ -126,6 +133,7 @@ impl Rig {
         &self.warnings
     }
 
+    /// Those of the files, of all meshes together.
     pub fn vertex_count(&self) -> usize {
         self.meshes.iter().map(Mesh::vertex_count).sum()
     }
@@ -135,6 +143,7 @@ impl Rig {
         self.meshes.iter().map(Mesh::draw_vertex_count).sum()
     }
 
+    /// Those of all meshes together.
     pub fn triangle_count(&self) -> usize {
         self.meshes.iter().map(|mesh| mesh.triangles().len()).sum()
     }

@@ -21,6 +21,7 @@ pub struct Morph {
 pub struct MorphDisplacement {
     /// Index into [`Rig::morphs`](super::Rig::morphs).
     pub morph: u32,
+    /// Added to the vertex's position, in the rig's units.
     pub position: Vec3,
     /// Added to the unit normal.
     pub normal: Vec3,

@@ -44,8 +44,10 @@ pub enum Rotation {
 }
 
 impl Rotation {
+    /// No turn: all three angles are 0.
     pub const NONE: Self = Self::Angles(DVec3::ZERO);
 
+    /// Radians about x, y, z, multiplied in `order`. Of a quaternion, the triple that [`RotationOrder::angles_of`] gives.
     pub fn angles(self, order: RotationOrder) -> DVec3 {
         match self {
             Self::Angles(angles) => angles,
@@ -53,6 +55,7 @@ impl Rotation {
         }
     }
 
+    /// As a unit quaternion; `order` is that in which the angles, if it has them, are multiplied.
     pub fn quaternion(self, order: RotationOrder) -> DQuat {
         match self {
             Self::Angles(angles) => order.quaternion_of(angles),

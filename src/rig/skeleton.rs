@@ -6,39 +6,51 @@ use glam::DVec3;
 /// Closed range of a DOF, in its unit; infinite ends mean no limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limit {
+    /// The smallest value allowed; negative infinity where there is none.
     pub min: f64,
+    /// The largest value allowed; infinity where there is none.
     pub max: f64,
 }
 
 impl Limit {
+    /// No limit: both ends are infinite.
     pub const NONE: Self = Self {
         min: f64::NEG_INFINITY,
         max: f64::INFINITY,
     };
 
+    /// Whether both ends are infinite.
     pub fn is_none(self) -> bool {
         self == Self::NONE
     }
 
+    /// Whether a value is within both ends, or at one of them.
     pub fn contains(self, value: f64) -> bool {
         self.min <= value && value <= self.max
     }
 
+    /// The value itself where it is allowed, else the nearer end.
     pub fn clamp(self, value: f64) -> f64 {
         value.max(self.min).min(self.max)
     }
 }
 
+/// One of the three axes of a right-handed frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Axis {
+    /// The first component of a vector.
     X,
+    /// The second component of a vector.
     Y,
+    /// The third component of a vector.
     Z,
 }
 
 impl Axis {
+    /// In the order of their indices.
     pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
 
+    /// 0 for x, 1 for y, 2 for z.
     pub fn index(self) -> usize {
         self as usize
     }
@@ -62,6 +74,7 @@ pub struct Joint {
     pub parent: Option<usize>,
     /// From the parent's origin to this joint's, in the parent's frame.
     pub offset: DVec3,
+    /// In which order its three angles are multiplied.
     pub rotation_order: RotationOrder,
     /// The file's own, inside `rotation_limits`.
     pub rest_rotation: Rotation,
@@ -112,6 +125,7 @@ impl Skeleton {
         }
     }
 
+    /// In file order, parents before their children.
     pub fn joints(&self) -> &[Joint] {
         &self.joints
     }
@@ -121,6 +135,7 @@ impl Skeleton {
         &self.children[joint]
     }
 
+    /// The index of the joint of exactly this name.
     pub fn joint_named(&self, name: &str) -> Option<usize> {
         self.joints.iter().position(|joint| joint.name == name)
     }

@@ -24,7 +24,9 @@ pub enum Encoding {
 /// Texels, rows from the top.
 #[derive(Debug, PartialEq, Eq)]
 pub struct TextureLevel {
+    /// In texels, at least 1.
     pub width: u32,
+    /// In texels, at least 1.
     pub height: u32,
     /// Red, green, blue and straight alpha.
     pub texels: Vec<[u8; 4]>,
@@ -58,6 +60,7 @@ impl Texture {
         &self.file
     }
 
+    /// What the bytes of its texels mean.
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }

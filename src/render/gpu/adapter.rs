@@ -31,15 +31,18 @@ pub(super) fn choose(
             seen.push(info);
         }
     }
-    Err(if seen.is_empty() {
-        AdapterError::None
-    } else if seen.iter().any(|info| choice.takes(info)) {
-        AdapterError::OnlySoftware { found: seen }
-    } else {
+    if seen.is_empty() {
+        return Err(AdapterError::None);
+    }
+    let (matching, others): (Vec<_>, Vec<_>) =
+        seen.into_iter().partition(|info| choice.takes(info));
+    Err(if matching.is_empty() {
         AdapterError::NoMatch {
             asked: choice.to_string(),
-            found: seen,
+            found: others,
         }
+    } else {
+        AdapterError::OnlySoftware { found: matching }
     })
 }
 

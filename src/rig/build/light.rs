@@ -32,9 +32,10 @@ pub(super) fn build(
             .all(|it| (0.0..=1.0).contains(it));
         let is_bright = (0.0..=FileLight::MOST_INTENSITY).contains(&light.intensity);
         let stands = is_usable(&light.joint_from_light.to_cols_array());
-        finite(is_cone && is_color && is_bright && stands, || {
-            format!("the transform, color, intensity or cone of light `{name}`")
-        })?;
+        finite(stands, || format!("the transform of light `{name}`"))?;
+        if !(is_cone && is_color && is_bright) {
+            return Err(RigProblem::LightOutOfRange { light: name });
+        }
         lights.push(FileLight { name, ..light });
     }
     Ok(lights)
