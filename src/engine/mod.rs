@@ -36,6 +36,7 @@ use worker::{Job, Opened};
 /// Which renderer to open.
 #[derive(Debug, Clone, Default)]
 pub struct RendererChoice {
+    /// By default a GPU, and without one the CPU.
     pub adapter: AdapterChoice,
     /// Refuse whatever draws on the CPU.
     pub require_gpu: bool,
@@ -51,6 +52,7 @@ pub fn adapters(threads: Option<NonZeroUsize>) -> Vec<AdapterInfo> {
 /// What accompanies a job on its way.
 #[derive(Debug)]
 pub struct JobContext {
+    /// Looked at before the work starts, and again while it lasts or at its end.
     pub cancellation: Cancellation,
     /// Held until the job is answered.
     pub ticket: Ticket,
@@ -130,18 +132,22 @@ impl Engine {
         })
     }
 
+    /// As they were given to [`Engine::open`].
     pub fn limits(&self) -> &Limits {
         &self.limits
     }
 
+    /// What draws, and why it was chosen.
     pub fn adapter(&self) -> &AdapterInfo {
         &self.opened.adapter
     }
 
+    /// What the renderer can draw at most, besides the [limits](Self::limits).
     pub fn capabilities(&self) -> Capabilities {
         self.opened.capabilities
     }
 
+    /// The budgets of requests and memory that all connections share.
     pub fn admission(&self) -> &Arc<Admission> {
         &self.admission
     }

@@ -6,8 +6,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// What is done with each item.
 pub trait Work: Send + Sync + Sized + 'static {
+    /// What work is started on.
     type Item: Send;
+    /// What becomes of an item, kept until those before it are delivered.
     type Output: Send;
+    /// Why no more is done; the first one is what [`Work::finish`] is given.
     type Error;
 
     /// Starts work on an item. `done` runs exactly once, on any thread.

@@ -12,10 +12,13 @@ use std::sync::Arc;
 /// A character as a picture shows it.
 #[derive(Debug, Clone)]
 pub struct Character {
+    /// The rig and its pose, worked out.
     pub posed: Arc<Posed>,
     /// Diagonal of its rest bounds.
     pub rest_size: f64,
+    /// How vertices follow several joints.
     pub skinning: Skinning,
+    /// What of it is drawn, and of what surface.
     pub appearance: Appearance,
     /// Invertible.
     pub world_from_model: DAffine3,
@@ -24,8 +27,11 @@ pub struct Character {
 /// A picture of some characters, and vertices of the same poses.
 #[derive(Debug, Clone)]
 pub struct FrameQuery {
+    /// In the order in which [`VertexQuery::instance`] counts them.
     pub characters: Vec<Character>,
+    /// The camera, the lights and what else all characters share.
     pub scene: Scene,
+    /// Which rasters of the picture are wanted.
     pub outputs: BTreeSet<ImageKind>,
     /// Inside the meshes of the characters.
     pub vertices: Vec<VertexQuery>,
@@ -85,7 +91,9 @@ impl From<FrameQuery> for Plan {
 /// What a ray is asked to meet.
 #[derive(Debug, Clone, Copy)]
 pub struct PickQuery {
+    /// In world space, which is the model space of the one character that is asked about.
     pub ray: Ray,
+    /// Whether bones can be met.
     pub bones: bool,
     /// `None` leaves each bone as thick as it is drawn.
     pub bone_radius: Option<BoneRadius>,

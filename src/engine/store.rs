@@ -13,12 +13,15 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// A rig as it was loaded.
 #[derive(Debug)]
 pub struct LoadedRig {
+    /// What requests call it by, unique among the loaded rigs.
     pub name: Arc<str>,
     /// `sha256:` and 64 hexadecimal digits.
     pub digest: String,
     /// Which reader read each file.
     pub dialects: Vec<&'static str>,
+    /// What the files hold together.
     pub rig: Arc<Rig>,
+    /// How far it reaches at rest.
     pub extents: Extents,
     pub(super) recent: RecentPoses,
 }
@@ -70,7 +73,9 @@ impl RigRef {
 /// A rig as a request named it, with the pose that was stored at that moment.
 #[derive(Debug, Clone)]
 pub struct RigRef {
+    /// The rig, kept alive also where it is unloaded meanwhile.
     pub loaded: Arc<LoadedRig>,
+    /// The server's own pose of the rig, which is the file's until a request changes it.
     pub stored: Pose,
     /// Whether the request gave the digest rather than the name.
     pub by_digest: bool,

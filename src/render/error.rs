@@ -7,14 +7,23 @@ use crate::limits::LimitExceeded;
 pub enum RenderError {
     /// The device went away with the work on it; the same plan may succeed on the next one.
     #[error("the graphics device was lost: {reason}")]
-    DeviceLost { reason: String },
+    DeviceLost {
+        /// In the words of the driver, as far as it has any.
+        reason: String,
+    },
     /// The device has too little free memory for this at the moment.
     #[error("the graphics device is out of memory: {reason}")]
-    OutOfMemory { reason: String },
+    OutOfMemory {
+        /// In the words of wgpu.
+        reason: String,
+    },
     /// Larger than this adapter can do at all.
     #[error(transparent)]
     Limit(#[from] LimitExceeded),
     /// The adapter refused what should be valid.
     #[error("the graphics device refused the work: {reason}")]
-    Refused { reason: String },
+    Refused {
+        /// In the words of wgpu.
+        reason: String,
+    },
 }

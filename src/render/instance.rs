@@ -51,6 +51,7 @@ impl Skin {
         }
     }
 
+    /// Of the pose; its meshes are what is skinned.
     pub fn rig(&self) -> &Arc<Rig> {
         self.posed.rig()
     }
@@ -140,22 +141,27 @@ impl Instance {
         }
     }
 
+    /// What its skinned vertices come from.
     pub fn skin(&self) -> &Skin {
         &self.skin
     }
 
+    /// That of its skin's pose.
     pub fn rig(&self) -> &Arc<Rig> {
         self.skin.rig()
     }
 
+    /// What of it is drawn, and of what surface; by default its skin in the pose, culled.
     pub fn appearance(&self) -> &Appearance {
         &self.appearance
     }
 
-    pub fn skeleton(&self) -> &SkeletonView {
+    /// Empty where the skeleton is not shown.
+    pub(super) fn skeleton(&self) -> &SkeletonView {
         &self.skeleton
     }
 
+    /// Applied to column vectors after skinning; invertible, the identity unless it was [placed](Self::placed).
     pub fn world_from_model(&self) -> DAffine3 {
         self.world_from_model
     }

@@ -31,5 +31,5 @@ pub use instance::{Instance, Skin};
 pub use outward::turn_outward;
 pub use plan::{ImagePlan, Plan};
 pub use renderer::{Renderer, adapters};
-pub use skeleton::{Segment, SkeletonView};
-pub use solids::{SolidVertex, Solids};
+use skeleton::{Segment, SkeletonView};
+use solids::{SolidVertex, Solids};

@@ -51,7 +51,9 @@ use std::sync::Arc;
 /// One renderer's worth of work: a picture, vertices, or both of the same skins.
 #[derive(Debug, Clone)]
 pub struct Plan {
+    /// The characters, in the order in which [`VertexQuery::instance`] counts them.
     pub instances: Vec<Instance>,
+    /// `None` asks for vertices alone: nothing is drawn.
     pub image: Option<ImagePlan>,
     /// Inside the meshes of the instances.
     pub vertices: Vec<VertexQuery>,
@@ -60,7 +62,9 @@ pub struct Plan {
 /// A picture of all instances of a plan.
 #[derive(Debug, Clone)]
 pub struct ImagePlan {
+    /// The camera, the lights and what else all instances share.
     pub scene: Scene,
+    /// Which rasters are wanted, each once.
     pub outputs: BTreeSet<ImageKind>,
 }
 

@@ -7,7 +7,9 @@ use crate::adapter::{AdapterChoice, AdapterError, AdapterInfo, AdapterKind};
 
 /// One of the renderers, opened.
 pub enum Renderer {
+    /// Draws through wgpu, on one device, from the thread that owns it.
     Gpu(Box<Gpu>),
+    /// Draws without a driver, and may be used by several threads at a time.
     Cpu(Cpu),
 }
 

@@ -8,17 +8,22 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 /// What one view of a skeleton consists of.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct SkeletonView {
+pub(super) struct SkeletonView {
+    /// Of a wireframe; otherwise there are none.
     pub lines: Vec<Segment>,
+    /// Of boxes, sticks or cylinders; otherwise there are none.
     pub solids: Solids,
 }
 
 /// A line of constant width in pixels, its ends round enough to be a dot where they coincide.
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-pub struct Segment {
+pub(super) struct Segment {
+    /// Where it starts.
     pub from_in_model: Vec3,
+    /// Across the line, whatever its distance from the eye.
     pub width_pixels: f32,
+    /// Where it ends; at a dot, the same point.
     pub to_in_model: Vec3,
     /// Linear RGB.
     pub color: Vec3,

@@ -1,4 +1,4 @@
-//! Solids that views of a skeleton are put together from, laid out as one mesh in world space: both renderers draw it as they draw any
+//! Solids that views of a skeleton are put together from, laid out as one mesh in model space: both renderers draw it as they draw any
 //! other. Not as instances of a few shapes, which software drivers take one at a time. Never lives here: where solids stand.
 
 use glam::{DAffine3, DMat3, Vec3};
@@ -38,10 +38,10 @@ impl Fineness {
     }
 }
 
-/// A corner of a solid, in world space.
+/// A corner of a solid, in model space.
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-pub struct SolidVertex {
+pub(super) struct SolidVertex {
     pub position: Vec3,
     /// Unit length.
     pub normal: Vec3,
@@ -51,8 +51,10 @@ pub struct SolidVertex {
 
 /// Solids side by side. Triangles are wound counter-clockwise seen from outside.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Solids {
+pub(super) struct Solids {
+    /// Each solid has its own, even where it touches others.
     pub vertices: Vec<SolidVertex>,
+    /// Indices into `vertices`, three to a triangle.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -82,10 +84,6 @@ impl Solids {
         let triangles = mesh.triangles.iter();
         self.triangles
             .extend(triangles.map(|triangle| triangle.map(|corner| first + corner)));
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.triangles.is_empty()
     }
 }
 

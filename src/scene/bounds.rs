@@ -2,10 +2,12 @@
 
 use glam::{DVec3, Vec3};
 
-/// Smallest and largest corner, in world space; `min <= max` on every axis.
+/// Smallest and largest corner, in the space of the points that it is made of; `min <= max` on every axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
+    /// The smallest coordinate of each axis.
     pub min: DVec3,
+    /// The largest coordinate of each axis.
     pub max: DVec3,
 }
 
@@ -54,6 +56,7 @@ impl Bounds {
         }
     }
 
+    /// All eight; x changes from each to the next, y after two, z after four.
     pub fn corners(&self) -> impl Iterator<Item = DVec3> + use<> {
         let Self { min, max } = *self;
         (0..8).map(move |corner: usize| {
@@ -68,6 +71,7 @@ impl Bounds {
         })
     }
 
+    /// The middle of both corners.
     pub fn center(&self) -> DVec3 {
         (self.min + self.max) / 2.0
     }

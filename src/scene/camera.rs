@@ -9,9 +9,23 @@ use std::ops::RangeInclusive;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Projection {
     /// In pixels: `x = fx·X/−Z + cx`, `y = −fy·Y/−Z + cy`.
-    Perspective { fx: f64, fy: f64, cx: f64, cy: f64 },
+    Perspective {
+        /// Focal length across the picture, in pixels.
+        fx: f64,
+        /// Focal length down the picture, in pixels.
+        fy: f64,
+        /// From the left edge of the picture to the principal point, in pixels.
+        cx: f64,
+        /// From the upper edge of the picture to the principal point, in pixels.
+        cy: f64,
+    },
     /// `scale` pixels to a unit of length, the middle of the picture on the axis; what is further than `far` is cut off.
-    Orthographic { scale: f64, far: f64 },
+    Orthographic {
+        /// Pixels to a world unit, across and down alike.
+        scale: f64,
+        /// From the eye's plane to the far plane, in world units.
+        far: f64,
+    },
 }
 
 /// Where a picture is taken from.
@@ -23,43 +37,58 @@ pub struct Camera {
     near: f64,
 }
 
-/// Distance of the near plane: as given, or 1/1000 of the distance to the target.
+/// From the eye to the near plane along the camera's −Z, in world units; `None` is 1/1000 of the distance to what is looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Near(pub Option<f64>);
 
 /// A camera on a sphere about a target. What is `None` frames the bounds.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Orbit {
+    /// The point in world space that is looked at; `None` is the middle of the framed bounds.
     pub target: Option<DVec3>,
+    /// From the target to the eye, in world units; `None` is that of [`Camera::distance_to_fit`].
     pub distance: Option<f64>,
     /// Radians about +Y, from +Z toward +X.
     pub azimuth: Option<f64>,
     /// Radians above the horizon.
     pub inclination: Option<f64>,
+    /// The angle from the lower to the upper edge of the picture, in radians; `None` is 2π/9, which is 40°.
     pub fov_y: Option<f64>,
+    /// `Near(None)` is 1/1000 of the distance.
     pub near: Near,
 }
 
 /// A camera at a point, looking at another. Either `fov_y` or the orthographic `height` may be given.
 #[derive(Debug, Clone, Copy)]
 pub struct LookAt {
+    /// In world space; anywhere but at the target.
     pub eye: DVec3,
+    /// The point in world space that falls onto the middle of the picture.
     pub target: DVec3,
+    /// A direction in world space, of any length, that points up on the picture; off the line of sight.
     pub up: DVec3,
+    /// The angle from the lower to the upper edge of the picture, in radians; `None` is 2π/9, which is 40°.
     pub fov_y: Option<f64>,
+    /// World units from the lower to the upper edge of the picture, which make the camera orthographic; `None` gives perspective.
     pub height: Option<f64>,
+    /// `Near(None)` is 1/1000 of the distance from the eye to the target.
     pub near: Near,
 }
 
 /// A calibrated camera.
 #[derive(Debug, Clone, Copy)]
 pub struct Pinhole {
+    /// Focal length across the picture, in pixels.
     pub fx: f64,
+    /// Focal length down the picture, in pixels.
     pub fy: f64,
+    /// From the left edge of the picture to the principal point, in pixels.
     pub cx: f64,
+    /// From the upper edge of the picture to the principal point, in pixels.
     pub cy: f64,
     /// Camera space of the `gl` kind.
     pub world_from_camera: DMat4,
+    /// `Near(None)` is 1/1000 of the distance from the eye to the middle of the framed bounds, or of their radius where that is more.
     pub near: Near,
 }
 
@@ -68,16 +97,27 @@ pub struct Pinhole {
 pub enum CameraField {
     /// Where the camera stands, whatever it was given by.
     Position,
+    /// [`Orbit::distance`], given or made to fit.
     Distance,
+    /// [`LookAt::eye`], which is at the target or not finite.
     Eye,
+    /// [`LookAt::up`], which is zero, not finite, or on the line of sight.
     Up,
+    /// The field of view of an [`Orbit`] or a [`LookAt`], which is outside [`FOV_Y_RADIANS`].
     FovY,
+    /// [`LookAt::height`], which is outside [`CAMERA_DISTANCES`] or given besides `fov_y`.
     Height,
+    /// The near plane, which is outside [`CAMERA_DISTANCES`] or, of an orthographic camera, not before the far plane.
     Near,
+    /// [`Pinhole::fx`], which is outside [`CAMERA_DISTANCES`].
     Fx,
+    /// [`Pinhole::fy`], which is outside [`CAMERA_DISTANCES`].
     Fy,
+    /// [`Pinhole::cx`], which is not within ±1e12.
     Cx,
+    /// [`Pinhole::cy`], which is not within ±1e12.
     Cy,
+    /// [`Pinhole::world_from_camera`], which scales, shears, mirrors or projects.
     WorldFromCamera,
 }
 
@@ -85,7 +125,9 @@ pub enum CameraField {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{problem}")]
 pub struct CameraError {
+    /// Which of the camera's values cannot be drawn with.
     pub field: CameraField,
+    /// What was accepted in its place, and what it is.
     pub problem: InvalidValue,
 }
 
@@ -260,6 +302,7 @@ impl Camera {
         })
     }
 
+    /// Of the picture that pixels and clip space are of.
     pub fn size(&self) -> Size {
         self.size
     }
@@ -269,6 +312,7 @@ impl Camera {
         self.world_from_camera
     }
 
+    /// In pixels of a picture of that [size](Self::size).
     pub fn projection(&self) -> Projection {
         self.projection
     }

@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 /// How a point light weakens with distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Falloff {
+    /// The light is the same at every distance.
     #[default]
     None,
     /// Divided by max(d², 1e-4·size²), `size` being the rig's at rest.
@@ -15,8 +16,11 @@ pub enum Falloff {
 /// What of a light a value is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LightField {
+    /// Of a directional light; it is zero or not finite.
     Direction,
+    /// Of a point light; a coordinate is not within ±1e12.
     Position,
+    /// The factor on the color, which is not from 0 to 1e12.
     Intensity,
 }
 
@@ -24,7 +28,9 @@ pub enum LightField {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{problem}")]
 pub struct LightError {
+    /// Which of the light's values cannot be drawn with.
     pub field: LightField,
+    /// What was accepted in its place, and what it is.
     pub problem: InvalidValue,
 }
 
@@ -37,20 +43,29 @@ impl LightError {
 /// A light in world space. Its `radiance` is color times intensity, linear.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Light {
+    /// Infinitely far, so that it comes from one direction and never weakens.
     Directional {
         /// The way the light travels, unit length.
         direction: Vec3,
+        /// Linear RGB, as a white surface that faces the light gives it back.
         radiance: Vec3,
     },
+    /// Shines from one point to all sides.
     Point {
+        /// In world space.
         position: Vec3,
+        /// Linear RGB, as it is before `falloff`.
         radiance: Vec3,
+        /// What it is divided by on its way.
         falloff: Falloff,
     },
     /// A point light that weakens by [`Falloff::InverseSquare`] and shines into a cone. Only files have them.
     Spot {
+        /// In world space.
         position: Vec3,
+        /// Linear RGB, as it is before distance and cone weaken it.
         radiance: Vec3,
+        /// Which way it shines, and how far to the sides.
         cone: Cone,
     },
 }
@@ -61,6 +76,7 @@ pub enum Light {
 pub struct Cone {
     /// The way the light travels, unit length.
     pub direction: Vec3,
+    /// Of the angle from the direction up to which it shines in full.
     pub cosine_of_inner: f32,
     /// Not above the other one.
     pub cosine_of_outer: f32,

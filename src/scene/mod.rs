@@ -21,7 +21,9 @@ use glam::{Vec3, Vec4};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("expected {expected}, but found {found}")]
 pub struct InvalidValue {
+    /// What is accepted, as a phrase that reads on from `expected`.
     pub expected: &'static str,
+    /// The value as it was given, in Rust's debug form.
     pub found: String,
 }
 
@@ -46,15 +48,19 @@ impl InvalidValue {
 /// Width and height of a picture in pixels, neither of them 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Size {
+    /// Pixels of a row.
     pub width: u32,
+    /// Rows of pixels.
     pub height: u32,
 }
 
 /// Why a size is none.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SizeError {
+    /// A side is 0.
     #[error(transparent)]
     Value(#[from] InvalidValue),
+    /// A side is over [`Limits::side`], or the area over [`Limits::pixels`].
     #[error(transparent)]
     Limit(#[from] LimitExceeded),
 }
@@ -70,6 +76,7 @@ impl Size {
         Ok(Self { width, height })
     }
 
+    /// Those of the whole picture: width times height.
     pub fn pixels(self) -> usize {
         self.width as usize * self.height as usize
     }
@@ -80,6 +87,7 @@ impl Size {
 pub struct Color(Vec3);
 
 impl Color {
+    /// 1 in every channel.
     pub const WHITE: Self = Self::constant(1.0, 1.0, 1.0);
 
     /// # Errors
@@ -92,10 +100,12 @@ impl Color {
         )))
     }
 
+    /// Unchecked, for values in the code: each channel is to be in 0..1.
     pub const fn constant(r: f32, g: f32, b: f32) -> Self {
         Self(Vec3::new(r, g, b))
     }
 
+    /// Red, green and blue, each 0..1.
     pub fn rgb(self) -> Vec3 {
         self.0
     }
@@ -104,7 +114,9 @@ impl Color {
 /// What stands behind the rig: linear RGB and straight alpha.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Background {
+    /// Not multiplied by `alpha`.
     pub color: Color,
+    /// From 0, which leaves the picture transparent where nothing is drawn, to 1.
     pub alpha: f32,
 }
 
@@ -150,8 +162,11 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// Of skin for which neither a request nor a material gives a diffuse color, without a texture or colors of vertices.
     pub const DIFFUSE: Color = Color::constant(0.60, 0.50, 0.42);
+    /// Of skin for which neither a request nor a material gives a specular color.
     pub const SPECULAR: Color = Color::constant(0.14, 0.14, 0.14);
+    /// The exponent where neither a request nor a material gives one.
     pub const SHININESS: f32 = 32.0;
 
     /// # Errors
@@ -177,10 +192,12 @@ impl Surface {
 /// How the skin is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ShowSkin {
+    /// As the joints and the morph weights of the pose move it.
     #[default]
     Posed,
     /// As it was modelled, whatever the pose.
     Bind,
+    /// Not at all.
     None,
 }
 
@@ -197,6 +214,7 @@ impl ShowSkin {
 /// How the skeleton is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ShowSkeleton {
+    /// Not at all, except that a rig without vertices is then shown as [`Wireframe`](Self::Wireframe).
     #[default]
     None,
     /// A line along each bone and a dot at each joint, of constant width in pixels.
@@ -212,6 +230,7 @@ pub enum ShowSkeleton {
 /// Which normals light the skin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ShowNormals {
+    /// Those of the vertices, interpolated; parts of a mesh whose file gives none stay flat.
     #[default]
     Smooth,
     /// Each triangle's own.
@@ -221,8 +240,11 @@ pub enum ShowNormals {
 /// What of the rig is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Show {
+    /// In which shape, if at all.
     pub skin: ShowSkin,
+    /// In which form, if at all; what of it is behind opaque skin is hidden.
     pub skeleton: ShowSkeleton,
+    /// Of the skin alone; the solids of a skeleton keep theirs.
     pub normals: ShowNormals,
     skin_opacity: f32,
 }
@@ -272,20 +294,25 @@ impl Default for Show {
 /// Whether sides of a surface that cannot be seen are left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Cull {
+    /// Backs of single-sided materials, and the insides of closed and opaque skin that is seen from outside.
     #[default]
     Auto,
+    /// Every triangle is drawn, whichever side is seen.
     Never,
 }
 
 /// Samples of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Samples {
+    /// At the pixel's center: edges are jagged.
     One,
+    /// At the four standard positions of multisampling: edges are smooth.
     #[default]
     Four,
 }
 
 impl Samples {
+    /// How many there are, 1 or 4.
     pub fn count(self) -> u32 {
         match self {
             Self::One => 1,
@@ -297,20 +324,28 @@ impl Samples {
 /// How one character of a picture looks.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Appearance {
+    /// Which of skin and skeleton are drawn, and in what form.
     pub show: Show,
+    /// What stands in place of the file's materials; by default nothing does.
     pub surface: Surface,
+    /// By default, what cannot be seen is left out.
     pub cull: Cull,
 }
 
 /// Everything about a picture but the characters in it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
+    /// Of the picture, the same as that of `camera`.
     pub size: Size,
+    /// How many of each pixel are drawn and averaged; by default four.
     pub samples: Samples,
+    /// Where the picture is taken from.
     pub camera: Camera,
     /// At most [`Limits::lights`].
     pub lights: Vec<Light>,
+    /// Linear RGB of the light from everywhere, by which the diffuse color is multiplied.
     pub ambient: Color,
+    /// What is left to be seen where nothing is drawn.
     pub background: Background,
 }
 

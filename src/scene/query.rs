@@ -6,6 +6,7 @@ use glam::DVec3;
 /// Which form of a rig's skin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
+    /// By the joints and the morph weights of the pose.
     Posed,
     /// As it was modelled, whatever the pose.
     Bind,
@@ -16,16 +17,22 @@ pub enum Shape {
 pub struct VertexQuery {
     /// Which of the characters that are asked about together, by its index.
     pub instance: usize,
+    /// Index into [`Rig::meshes`](crate::rig::Rig::meshes).
     pub mesh: usize,
+    /// The first vertex, by its index in the mesh: those of the file come first, then the copies that drawing needs.
     pub start: usize,
+    /// How many vertices there are from `start` on.
     pub count: usize,
+    /// Whether positions are wanted, in model space.
     pub positions: bool,
+    /// Whether normals are wanted, in model space and of unit length.
     pub normals: bool,
 }
 
 /// A line of sight in world space; [`Camera::ray`](super::Camera::ray) makes them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
+    /// The eye, or for an orthographic camera a point of the plane through the eye.
     pub origin: DVec3,
     /// Unit length.
     pub direction: DVec3,
@@ -61,6 +68,7 @@ impl BoneRadius {
         Ok(Self(radius))
     }
 
+    /// In the rig's units, from 1e-12 to 1e12.
     pub fn length(self) -> f64 {
         self.0
     }

@@ -33,7 +33,9 @@ impl Timings {
 /// Whether an answer is still of interest. Cancellation is sticky, and a clone is the same one.
 #[derive(Debug, Clone, Default)]
 pub struct Cancellation {
+    /// When the answer is of no more use; `None` is never.
     pub deadline: Option<Instant>,
+    /// Set to true where the answer is not wanted any more.
     pub cancelled: Arc<AtomicBool>,
 }
 

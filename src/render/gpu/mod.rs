@@ -87,14 +87,17 @@ impl Gpu {
         }
     }
 
+    /// As its driver gives it; `why` is `None`.
     pub fn adapter(&self) -> &AdapterInfo {
         &self.device.info
     }
 
+    /// What [`Gpu::reopen`] finds the same adapter by.
     pub fn adapter_id(&self) -> &AdapterId {
         &self.device.adapter_id
     }
 
+    /// The most that its device allows of textures and buffers.
     pub fn capabilities(&self) -> Capabilities {
         self.device.capabilities
     }
