@@ -124,10 +124,12 @@ pub enum AdapterError {
         found: Vec<AdapterInfo>,
     },
     /// Two requirements that exclude each other: rigd's own renderer, and a real GPU.
-    #[error("a real GPU is required, and rigd's own renderer asked for: only one can be had")]
+    #[error(
+        "a real GPU is required, but rigd's own renderer was asked for, which draws on the CPU"
+    )]
     CpuIsNoGpu,
     /// There is an adapter, but no device or thread to draw with can be made on it.
-    #[error("the adapter {adapter} gives no device: {reason}")]
+    #[error("no device can be created on the adapter {adapter}: {reason}")]
     NoDevice {
         /// Name, kind, interface and driver, as [`AdapterInfo`] displays them.
         adapter: String,

@@ -34,7 +34,7 @@ macro_rules! limits {
             #[doc = "# Errors"]
             #[doc = "[`LimitExceeded`] where `asked` is more than that."]
             pub fn $name(&self, asked: impl TryInto<u64>) -> Result<(), LimitExceeded> {
-                hold(stringify!($name), self.$name, asked)
+                LimitExceeded::unless_within(stringify!($name), self.$name, asked)
             })*
         }
     };
@@ -93,17 +93,24 @@ limits! {
     rigs: 4096,
 }
 
-fn hold(limit: &'static str, maximum: u64, asked: impl TryInto<u64>) -> Result<(), LimitExceeded> {
-    // A count that does not even fit 64 bits is over every ceiling.
-    let asked = asked.try_into().unwrap_or(u64::MAX);
-    if asked > maximum {
-        return Err(LimitExceeded {
+impl LimitExceeded {
+    /// Unless `asked` is `maximum` at most.
+    pub(crate) fn unless_within(
+        limit: &'static str,
+        maximum: u64,
+        asked: impl TryInto<u64>,
+    ) -> Result<(), Self> {
+        // A count that does not even fit 64 bits is over every ceiling.
+        let asked = asked.try_into().unwrap_or(u64::MAX);
+        if asked <= maximum {
+            return Ok(());
+        }
+        Err(Self {
             limit,
             maximum,
             asked,
-        });
+        })
     }
-    Ok(())
 }
 
 #[cfg(test)]

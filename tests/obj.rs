@@ -361,7 +361,7 @@ fn textures_that_are_not_shown_are_no_files_that_nobody_refers_to() {
         ("bumps.png", "x"),
     ];
     let summary = load(&SERVICE, "passed over", &files);
-    let wanted = "my colors.mtl:3:1: `map_Bump` is not shown, nor is its like";
+    let wanted = "my colors.mtl:3:1: `map_Bump` is not shown, nor are others like it";
     assert_eq!(summary["warnings"], json!([wanted]));
 }
 

@@ -30,7 +30,7 @@ impl<W: Write> AnimatedPng<W> {
         // As for a single picture.
         let (compression, filter) = match compression {
             Compression::Fast => (png::Compression::Fast, Filter::Paeth),
-            Compression::Default => (png::Compression::Balanced, Filter::Adaptive),
+            Compression::Balanced => (png::Compression::Balanced, Filter::Adaptive),
             Compression::Best => (png::Compression::High, Filter::Adaptive),
         };
         encoder.set_compression(compression);
@@ -98,7 +98,7 @@ mod tests {
     #[test]
     fn every_frame_comes_back_as_it_was() {
         let frames = [frame(0), frame(1), frame(2)];
-        for compression in [Compression::Fast, Compression::Default, Compression::Best] {
+        for compression in [Compression::Fast, Compression::Balanced, Compression::Best] {
             let file = file(&frames, 3, compression).unwrap();
             let mut reader = png::Decoder::new(std::io::Cursor::new(&file))
                 .read_info()

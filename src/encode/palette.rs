@@ -108,7 +108,7 @@ fn reduced(
     // One of so many pixels teaches the network; it is made for 1 to 30.
     let sparsest = match compression {
         Compression::Fast => 30,
-        Compression::Default => 10,
+        Compression::Balanced => 10,
         Compression::Best => 1,
     };
     let affordable = i32::try_from(rest.len() / 4 / LEAST_SAMPLES).unwrap_or(i32::MAX);

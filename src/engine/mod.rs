@@ -4,10 +4,10 @@ mod admission;
 mod error;
 mod extents;
 mod ordered;
-mod pool;
 mod query;
 mod recent;
 mod store;
+mod thread_pool;
 mod worker;
 
 pub use admission::{Admission, AttachmentPermit, ConnectionQuota, MemoryPermit, Ticket};
@@ -26,11 +26,11 @@ use crate::pick::{self, Hit, Targets};
 use crate::pose::{Clamped, Pose, PoseEdit, Posed, Skinning};
 use crate::render::{self, Capabilities, Plan, Skin, turn_outward};
 use crate::scene::{Shape, VertexQuery};
-use pool::Pool;
 use std::num::NonZeroUsize;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use store::Store;
+use thread_pool::ThreadPool;
 use worker::{Job, Opened};
 
 /// Which renderer to open.
@@ -46,7 +46,7 @@ pub struct RendererChoice {
 
 /// Everything that can be drawn with, best first.
 pub fn adapters(threads: Option<NonZeroUsize>) -> Vec<AdapterInfo> {
-    render::adapters(Pool::threads(threads))
+    render::adapters(ThreadPool::threads(threads))
 }
 
 /// What accompanies a job on its way.
@@ -106,7 +106,7 @@ pub struct Engine {
     /// Held while files become a rig: loads in progress would otherwise each take as much memory as all rigs together may.
     loading: Mutex<()>,
     opened: Opened,
-    pool: Arc<Pool>,
+    pool: Arc<ThreadPool>,
     admission: Arc<Admission>,
     limits: Limits,
 }
@@ -117,7 +117,7 @@ impl Engine {
     /// # Errors
     /// [`EngineError::Adapter`] where there is none of the kind asked for.
     pub fn open(choice: RendererChoice, limits: Limits) -> Result<Self, EngineError> {
-        let pool = Pool::new(choice.threads).map_err(|error| EngineError::Internal {
+        let pool = ThreadPool::new(choice.threads).map_err(|error| EngineError::Internal {
             reason: error.to_string(),
         })?;
         let pool = Arc::new(pool);

@@ -97,7 +97,7 @@ fn refused(error: RigError) -> LoadError {
     let fault = match error.problem {
         RigProblem::Limit(exceeded) => return exceeded.into(),
         RigProblem::Empty => FileFault::whole(file, "a joint or a mesh", "nothing to draw"),
-        problem => FileFault::whole(file, "a rig without contradictions", problem.to_string()),
+        problem => FileFault::whole(file, "a consistent rig", problem.to_string()),
     };
     fault.into()
 }

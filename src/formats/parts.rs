@@ -203,7 +203,7 @@ impl Parts {
         let weights = READERS.into_iter().find(binds);
         let noun = weights.map_or("weights", |reader| reader.format.noun);
         let expected = format!(
-            "an {noun} file in the rig, which attaches this mesh to `{}`",
+            "a file of kind {noun} in the rig, which attaches this mesh to `{}`",
             skeleton.file.name
         );
         Err(FileFault::whole(&mesh.file.name, expected, "none"))

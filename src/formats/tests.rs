@@ -288,11 +288,11 @@ fn an_attachment_list_needs_both_of_its_ends() {
     for (files, wanted) in [
         (
             &[skel, obj][..],
-            "a.obj:1:1: expected an `.attach` file in the rig, which attaches this mesh to `a.skel`, but found none",
+            "a.obj:1:1: expected a file of kind `.attach` in the rig, which attaches this mesh to `a.skel`, but found none",
         ),
         (
             &[cse_skel, obj],
-            "a.obj:1:1: expected an `.attach` file in the rig, which attaches this mesh to `a.skel`, but found none",
+            "a.obj:1:1: expected a file of kind `.attach` in the rig, which attaches this mesh to `a.skel`, but found none",
         ),
         (
             &[skel, attach],

@@ -43,7 +43,7 @@ pub enum Fault {
         maximum: u64,
         asked: u64,
     },
-    #[error("this connection has not shown the right token")]
+    #[error("authentication required: this connection has not sent the right token")]
     Unauthorized,
     #[error("the server has more work than it takes on; ask again in {retry_after_ms} ms")]
     Busy {
@@ -239,7 +239,7 @@ kinds! {
     RigNameTaken "rig_name_taken" -32002 false,
     /// The request `asked` for more than the `maximum` of one `limit` of those that `server.info` lists.
     LimitExceeded "limit_exceeded" -32003 false,
-    /// The connection has not shown the right token.
+    /// The connection has not sent the right token.
     Unauthorized "unauthorized" -32004 false,
     /// The server as a whole has too much to do: `queue_depth` requests wait. Ask again after `retry_after_ms`.
     Busy "busy" -32005 true,

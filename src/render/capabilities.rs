@@ -25,12 +25,12 @@ impl Capabilities {
     /// # Errors
     /// Where a raster of this kind and size is larger than the adapter draws.
     pub fn accept_raster(&self, kind: ImageKind, size: Size) -> Result<(), LimitExceeded> {
-        hold(SIDE, self.side, size.width.max(size.height).into())?;
+        LimitExceeded::unless_within(SIDE, self.side, size.width.max(size.height))?;
         self.accept_bytes(kind.bytes(size) as u64)
     }
 
     fn accept_bytes(&self, bytes: u64) -> Result<(), LimitExceeded> {
-        hold(BUFFER_BYTES, self.buffer_bytes.unwrap_or(u64::MAX), bytes)
+        LimitExceeded::unless_within(BUFFER_BYTES, self.buffer_bytes.unwrap_or(u64::MAX), bytes)
     }
 
     /// # Errors
@@ -55,21 +55,9 @@ impl Capabilities {
         let sides = rig
             .textures()
             .map(|texture| texture.levels()[0].width.max(texture.levels()[0].height));
-        hold(SIDE, self.side, sides.max().unwrap_or(0).into())
+        LimitExceeded::unless_within(SIDE, self.side, sides.max().unwrap_or(0))
     }
 }
 
 const SIDE: &str = "adapter_side";
 const BUFFER_BYTES: &str = "adapter_buffer_bytes";
-
-fn hold(limit: &'static str, maximum: u64, asked: u64) -> Result<(), LimitExceeded> {
-    if asked > maximum {
-        Err(LimitExceeded {
-            limit,
-            maximum,
-            asked,
-        })
-    } else {
-        Ok(())
-    }
-}

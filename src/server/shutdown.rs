@@ -23,7 +23,7 @@ impl Default for Timeouts {
 }
 
 /// After the grace time, how long requests are still read and replies still written: each is told that it came too late.
-const LAST_WORDS: Duration = Duration::from_secs(1);
+const AFTER_GRACE: Duration = Duration::from_secs(1);
 
 /// Whether the server is to stop, and since when.
 #[derive(Debug, Default)]
@@ -59,7 +59,7 @@ impl Shutdown {
 
     /// Whether even those are given up who are still being told that the grace time is over.
     pub(super) fn is_over(&self) -> bool {
-        self.has_passed(self.grace + LAST_WORDS)
+        self.has_passed(self.grace + AFTER_GRACE)
     }
 
     fn has_passed(&self, time: Duration) -> bool {

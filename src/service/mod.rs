@@ -39,6 +39,8 @@ mod vertices;
 pub use describe::{describe_files, description};
 pub use message::{Message, Notification, Permit, Response};
 pub use prepared_frame::Subject;
+#[cfg(feature = "cli")]
+pub(crate) use prepared_frame::compression;
 pub use response::ResponseHandle;
 pub use session::{Request, Session};
 pub use state::Service;

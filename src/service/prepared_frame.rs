@@ -150,10 +150,10 @@ impl Packing {
     }
 }
 
-fn compression(compression: wire::Compression) -> Compression {
+pub(crate) fn compression(compression: wire::Compression) -> Compression {
     match compression {
         wire::Compression::Fast => Compression::Fast,
-        wire::Compression::Default => Compression::Default,
+        wire::Compression::Default => Compression::Balanced,
         wire::Compression::Best => Compression::Best,
     }
 }

@@ -8,7 +8,7 @@ use crate::protocol::rig::RigDescription;
 use crate::protocol::{ErrorObject, Fault, FieldFault, FieldPath, Segment};
 
 /// The error with options in place of fields. One that is of no option stays as it is.
-pub(super) fn told_by_option(
+pub(super) fn naming_the_option(
     error: anyhow::Error,
     args: &RenderArgs,
     rig: &RigDescription,

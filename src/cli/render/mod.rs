@@ -17,13 +17,12 @@ use super::exit::{Outcome, Stopped};
 use super::files::Destination;
 use super::local;
 use super::terminal::{Warnings, print, printable};
-use crate::encode::{AnimatedGif, Compression};
+use crate::encode::AnimatedGif;
 use crate::engine::RigRef;
 use crate::formats::Source;
 use crate::limits::Limits;
-use crate::protocol::frame as wire;
 use crate::scene::{Size, SizeError};
-use crate::service::{Service, description};
+use crate::service::{Service, compression, description};
 use anyhow::{anyhow, bail};
 use format::Format;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -54,7 +53,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
         bail!("--output: a sequence needs a file that ends in .png, .gif or .apng, but found `-`");
     }
     let mut request = args.request("")?;
-    let compression = of_compression(request.compression);
+    let compression = compression(request.compression);
 
     let mut warnings = Warnings::default();
     let engine = args.renderer.open()?;
@@ -79,7 +78,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Outcome> {
         let reel = Reel::new(terms, size);
         draw(&service, &loaded, &shots, reel, clamps, &mut warnings)
     };
-    let written = draw().map_err(|error| flags::told_by_option(error, args, &rig))?;
+    let written = draw().map_err(|error| flags::naming_the_option(error, args, &rig))?;
     if let Some(written) = written {
         print(&printable(&written))?;
     }
@@ -140,13 +139,5 @@ fn progress(frames: u32) -> ProgressBar {
     match style {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
-    }
-}
-
-fn of_compression(compression: wire::Compression) -> Compression {
-    match compression {
-        wire::Compression::Fast => Compression::Fast,
-        wire::Compression::Default => Compression::Default,
-        wire::Compression::Best => Compression::Best,
     }
 }

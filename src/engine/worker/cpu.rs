@@ -5,7 +5,7 @@ use super::Worker;
 use super::job::{Cancellation, Job, Timings};
 use super::skin_cache::{Computation, Lookup, SkinCache};
 use crate::engine::EngineError;
-use crate::engine::pool::Pool;
+use crate::engine::thread_pool::ThreadPool;
 use crate::frame::Outputs;
 use crate::render::Plan;
 use crate::render::cpu::{Cores, Cpu, Parallelism, Skinned};
@@ -19,7 +19,7 @@ pub(super) struct CpuWorker(Arc<Shared>);
 
 struct Shared {
     cpu: Cpu,
-    pool: Arc<Pool>,
+    pool: Arc<ThreadPool>,
     skins: SkinCache,
     /// Jobs that wait or are being worked on.
     in_hand: AtomicUsize,
@@ -29,7 +29,7 @@ struct Shared {
 const HEAVY: usize = 1 << 18;
 
 impl CpuWorker {
-    pub(super) fn new(cpu: Cpu, pool: Arc<Pool>) -> Self {
+    pub(super) fn new(cpu: Cpu, pool: Arc<ThreadPool>) -> Self {
         Self(Arc::new(Shared {
             cpu,
             pool,

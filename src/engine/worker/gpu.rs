@@ -5,7 +5,7 @@ use super::Worker;
 use super::job::{Job, Reply, Timings};
 use crate::adapter::AdapterError;
 use crate::engine::EngineError;
-use crate::engine::pool::Pool;
+use crate::engine::thread_pool::ThreadPool;
 use crate::frame::Outputs;
 use crate::render::gpu::{AdapterId, Finished, Gpu, InFlight};
 use crate::render::{Plan, RenderError};
@@ -40,7 +40,7 @@ struct Gauges {
 }
 
 impl GpuWorker {
-    pub(super) fn start(gpu: Gpu, pool: Arc<Pool>) -> Result<Self, AdapterError> {
+    pub(super) fn start(gpu: Gpu, pool: Arc<ThreadPool>) -> Result<Self, AdapterError> {
         let adapter = gpu.adapter().to_string();
         let (messages, inbox) = channel();
         let gauges = Arc::new(Gauges::default());
@@ -51,7 +51,7 @@ impl GpuWorker {
             pool,
             inbox,
             waiting: VecDeque::new(),
-            to_be_alone: VecDeque::new(),
+            retried_alone: VecDeque::new(),
             in_flight: VecDeque::new(),
             gauges: Arc::clone(&gauges),
         };
@@ -121,12 +121,12 @@ struct Thread {
     gpu: Option<Gpu>,
     /// The one that is opened anew.
     adapter: AdapterId,
-    pool: Arc<Pool>,
+    pool: Arc<ThreadPool>,
     inbox: Receiver<Message>,
     /// Jobs that nobody has looked at.
     waiting: VecDeque<Job>,
     /// Jobs of a submission that failed, by the fault of one of them: each is tried once more, by itself.
-    to_be_alone: VecDeque<Job>,
+    retried_alone: VecDeque<Job>,
     in_flight: VecDeque<Started>,
     gauges: Arc<Gauges>,
 }
@@ -153,7 +153,7 @@ impl Thread {
     }
 
     fn has_jobs(&self) -> bool {
-        !self.waiting.is_empty() || !self.to_be_alone.is_empty()
+        !self.waiting.is_empty() || !self.retried_alone.is_empty()
     }
 
     /// Takes in what has come; where there is nothing to do, waits for it. Returns whether there is anything left to do, ever.
@@ -180,9 +180,9 @@ impl Thread {
 
     /// Submits as much of what waits as may go together.
     fn start(&mut self) {
-        let is_alone = !self.to_be_alone.is_empty();
+        let is_alone = !self.retried_alone.is_empty();
         let queue = if is_alone {
-            std::mem::take(&mut self.to_be_alone)
+            std::mem::take(&mut self.retried_alone)
         } else {
             std::mem::take(&mut self.waiting)
         };
@@ -201,7 +201,7 @@ impl Thread {
         });
         let jobs: Vec<Job> = queue.drain(..count).collect();
         if is_alone {
-            self.to_be_alone = queue;
+            self.retried_alone = queue;
         } else {
             self.waiting = queue;
         }
@@ -265,7 +265,7 @@ impl Thread {
     fn fail(&mut self, jobs: Vec<Job>, error: RenderError) {
         let is_lost = matches!(error, RenderError::DeviceLost { .. });
         if jobs.len() > 1 && !is_lost {
-            return self.to_be_alone.extend(jobs);
+            return self.retried_alone.extend(jobs);
         }
         let mut failed = jobs;
         if is_lost {

@@ -10,7 +10,7 @@ pub use job::{Cancellation, Timings};
 
 use super::RendererChoice;
 use crate::adapter::{AdapterError, AdapterInfo};
-use crate::engine::pool::Pool;
+use crate::engine::thread_pool::ThreadPool;
 use crate::render::{Capabilities, Renderer};
 use cpu::CpuWorker;
 use gpu::GpuWorker;
@@ -46,7 +46,10 @@ pub(super) struct Opened {
     pub capabilities: Capabilities,
 }
 
-pub(super) fn open(choice: &RendererChoice, pool: &Arc<Pool>) -> Result<Opened, AdapterError> {
+pub(super) fn open(
+    choice: &RendererChoice,
+    pool: &Arc<ThreadPool>,
+) -> Result<Opened, AdapterError> {
     let threads = pool.thread_count();
     let (renderer, adapter, capabilities) =
         Renderer::open(&choice.adapter, choice.require_gpu, threads)?;

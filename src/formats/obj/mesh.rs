@@ -156,7 +156,7 @@ impl<'a> Reader<'a> {
         if let Some(glued) = self.statements.glued {
             warnings.push(|| {
                 let (place, word) = (lexer.place(glued), quoted(glued.text));
-                format!("{place}: {word} ends in a comment, and its like as well")
+                format!("{place}: {word} ends in a comment, and so do others like it")
             });
         }
         if self.triangles.is_empty() {

@@ -233,18 +233,18 @@ impl<'a> Reader<'a> {
 
     fn warn(&self, warnings: &mut Warnings) {
         let mut found = [
-            (Oddity::NotShown, "is not shown, nor is its like"),
+            (Oddity::NotShown, "is not shown, nor are others like it"),
             (
                 Oddity::Value,
-                "has no value that can be read; it is left out, and its like as well",
+                "has no value that can be read; it is left out, and so are others like it",
             ),
             (
                 Oddity::Second,
-                "is a second material of that name; it is left out, and its like as well",
+                "is a second material of that name; it is left out, and so are others like it",
             ),
             (
                 Oddity::BeforeNewmtl,
-                "stands before any `newmtl`; it is left out, and its like as well",
+                "stands before any `newmtl`; it is left out, and so are others like it",
             ),
         ]
         .map(|(oddity, what)| (self.oddities[oddity as usize], what));
@@ -382,24 +382,24 @@ mod tests {
 
     #[test]
     fn what_is_odd_is_left_out_with_one_warning_of_its_kind() {
-        let not_shown = "a.mtl:2:1: `map_Bump` is not shown, nor is its like";
+        let not_shown = "a.mtl:2:1: `map_Bump` is not shown, nor are others like it";
         for (text, wanted) in [
             ("map_Bump a.png\nPr 0.5\nnorm b.png\n", vec![not_shown]),
             (
                 "Kd spectral a.rfl\nNs\nd nan\nmap_Kd\nmap_Kd -s 1 1\n",
                 vec![
-                    "a.mtl:2:1: `Kd` has no value that can be read; it is left out, and its like as well",
+                    "a.mtl:2:1: `Kd` has no value that can be read; it is left out, and so are others like it",
                 ],
             ),
             (
                 "newmtl a\nKd 1 1 1\n",
                 vec![
-                    "a.mtl:2:8: `a` is a second material of that name; it is left out, and its like as well",
+                    "a.mtl:2:8: `a` is a second material of that name; it is left out, and so are others like it",
                 ],
             ),
             (
                 "map_Kd -mm 0 1 a.png\n",
-                vec!["a.mtl:2:8: `-mm` is not shown, nor is its like"],
+                vec!["a.mtl:2:8: `-mm` is not shown, nor are others like it"],
             ),
         ] {
             let (materials, warnings) = mtl(&format!("newmtl a\n{text}"));
@@ -409,7 +409,7 @@ mod tests {
         let (materials, warnings) = mtl("Kd 1 1 1\nnewmtl a\n");
         assert_eq!(materials.len(), 1);
         let wanted =
-            "a.mtl:1:1: `Kd` stands before any `newmtl`; it is left out, and its like as well";
+            "a.mtl:1:1: `Kd` stands before any `newmtl`; it is left out, and so are others like it";
         assert_eq!(warnings, [wanted]);
     }
 }

@@ -25,43 +25,43 @@ impl Oddities<'_> {
         let mut found = [
             (
                 self.unknown,
-                "is not read here; skipped, and its like as well",
+                "is not read here; it is skipped, and so are others like it",
             ),
             (
                 self.not_a_number,
-                "is no number; it is passed over, and its like as well",
+                "is no number; it is passed over, and so are others like it",
             ),
             (
                 self.color_out_of_range,
-                "is no part of a color, which goes from 0 to 1; it is clamped, and its like as well",
+                "is no part of a color, which goes from 0 to 1; it is clamped, and so are others like it",
             ),
             (
                 self.no_texcoords,
-                "names a texture coordinate, but there are none above; it is passed over, and its like as well",
+                "names a texture coordinate, but there are none above; it is passed over, and so are others like it",
             ),
             (
                 self.no_normals,
-                "names a normal, but there are none above; it is passed over, and its like as well",
+                "names a normal, but there are none above; it is passed over, and so are others like it",
             ),
             (
                 self.too_few_corners,
-                "has fewer than 3 corners; it is left out, and its like as well",
+                "has fewer than 3 corners; it is left out, and so are others like it",
             ),
             (
                 self.crosses_itself,
-                "is a face that crosses itself; it is cut into a fan, and its like as well",
+                "is a face that crosses itself; it is cut into a fan, and so are others like it",
             ),
             (
                 self.too_much_work,
-                "is a concave face, and the file has more corners of such than are cut; it is cut into a fan, and its like as well",
+                "is a concave face, and the file has more corners of concave faces than are triangulated exactly; it is cut into a fan, and so are others like it",
             ),
             (
                 self.group,
-                "is no smoothing group; it is taken for `off`, and its like as well",
+                "is no smoothing group; it is taken for `off`, and so are others like it",
             ),
             (
                 self.nameless,
-                "names nothing; it is passed over, and its like as well",
+                "names nothing; it is passed over, and so are others like it",
             ),
         ];
         found.sort_by_key(|(token, _)| token.map(|token| token.offset));

@@ -109,15 +109,15 @@ impl Edge {
     }
 }
 
-/// In which of the pixels that a triangle covers it is there.
+/// Which of the pixels that a triangle covers show it: an alpha test for each of them.
 pub(super) trait CoverageTest {
-    /// Whether it is in all of them.
+    /// Whether all of them do.
     const PASSES_ALWAYS: bool;
 
     fn passes(&self, pixel: [u32; 2]) -> bool;
 }
 
-/// Of a surface without holes.
+/// Of a surface without an alpha test.
 pub(super) struct Opaque;
 
 impl CoverageTest for Opaque {

@@ -53,7 +53,7 @@ pub(super) struct Readbacks {
 }
 
 impl Readbacks {
-    /// As many as can be in flight, and one to spare.
+    /// Twice as many as are in flight at most.
     const KEPT: usize = 4;
     /// What they may take together; a single one may take more.
     const MOST_BYTES: u64 = 256 << 20;

@@ -17,7 +17,7 @@ pub(super) struct Device {
     /// Of one buffer at the most.
     pub buffer_bytes: u64,
     /// Whether shaders can read which samples of a pixel a triangle covers.
-    pub tells_coverage: bool,
+    pub has_sample_mask_input: bool,
     faults: Arc<Mutex<Faults>>,
 }
 
@@ -82,7 +82,7 @@ impl Device {
             capabilities,
             buffer_bytes,
             // naga writes GLSL that reads an array of masks as if it were one, which does not compile.
-            tells_coverage: adapter.get_info().backend != wgpu::Backend::Gl,
+            has_sample_mask_input: adapter.get_info().backend != wgpu::Backend::Gl,
             faults,
         })
     }
@@ -103,7 +103,7 @@ impl Device {
     ///
     /// # Errors
     /// Where the device is lost.
-    pub(super) fn forgive(&self) -> Result<(), RenderError> {
+    pub(super) fn discard_stale_errors(&self) -> Result<(), RenderError> {
         match self.check() {
             Err(lost @ RenderError::DeviceLost { .. }) => Err(lost),
             _ => Ok(()),

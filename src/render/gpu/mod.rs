@@ -32,7 +32,7 @@ use buffers::Readbacks;
 use clock::Clock;
 use device::Device;
 use draws::Drawing;
-use readback::{Copies, Form};
+use readback::{Copies, ReadbackLayout};
 use resolve::ResolveStage;
 use shade::ShadeStage;
 use skin::SkinStage;
@@ -127,7 +127,7 @@ impl Gpu {
     /// # Errors
     /// [`RenderError`]; nothing of the plans is then in flight. Which of them is at fault can be found out by submitting each by itself.
     pub fn submit(&mut self, plans: &[&Plan]) -> Result<InFlight, RenderError> {
-        self.device.forgive()?;
+        self.device.discard_stale_errors()?;
         plans.iter().try_for_each(|plan| self.accept(plan))?;
         let in_flight = self.encode(plans);
         let checked = self.device.check();
@@ -188,8 +188,8 @@ impl Gpu {
         let drawings: Vec<_> = drawings.collect();
         let mut pictures = self.shade.prepare(device, &drawings).into_iter();
 
-        let forms: Vec<_> = plans.iter().map(|plan| Form::of(plan)).collect();
-        let bytes = forms.iter().map(Form::bytes).sum::<u64>() + Clock::BYTES;
+        let readbacks: Vec<_> = plans.iter().map(|plan| ReadbackLayout::of(plan)).collect();
+        let bytes = readbacks.iter().map(ReadbackLayout::bytes).sum::<u64>() + Clock::BYTES;
         let mut copies = Copies::new(device, &mut self.readbacks, bytes);
         let vertices = self.skin.skinned();
         for plan in plans {
@@ -219,7 +219,7 @@ impl Gpu {
             let times = clock.stop(&mut encoder);
             copies.copy(&mut encoder, times, 0, Clock::BYTES);
         }
-        copies.submit(device, encoder, forms)
+        copies.submit(device, encoder, readbacks)
     }
 
     /// Drops what was made for `plans`, and whatever else may be half there: the next submission makes it anew.

@@ -132,7 +132,7 @@ impl Pipelines {
                     immediate_size: 0,
                 })
         };
-        let shading = if device.tells_coverage {
+        let shading = if device.has_sample_mask_input {
             shaders::BY_MASK
         } else {
             shaders::BY_DRIVER

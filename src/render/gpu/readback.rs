@@ -20,7 +20,7 @@ pub struct Finished {
 }
 
 /// How to read what was copied for a plan: its rasters, then its vertices.
-pub(super) struct Form {
+pub(super) struct ReadbackLayout {
     rasters: Vec<(ImageKind, Size)>,
     vertices: Vec<VertexQuery>,
 }
@@ -31,7 +31,7 @@ pub struct InFlight {
     buffer: wgpu::Buffer,
     bytes: u64,
     mapped: mpsc::Receiver<Result<(), wgpu::BufferAsyncError>>,
-    forms: Vec<Form>,
+    layouts: Vec<ReadbackLayout>,
     /// Since when somebody does.
     waited_for_since: Option<Instant>,
 }
@@ -93,7 +93,7 @@ impl Copies {
         self,
         device: &Device,
         encoder: wgpu::CommandEncoder,
-        forms: Vec<Form>,
+        layouts: Vec<ReadbackLayout>,
     ) -> InFlight {
         let Self { buffer, end: bytes } = self;
         let submission = device.queue.submit([encoder.finish()]);
@@ -109,7 +109,7 @@ impl Copies {
             buffer,
             bytes,
             mapped,
-            forms,
+            layouts,
             waited_for_since: None,
         }
     }
@@ -138,14 +138,14 @@ impl InFlight {
             Err(error) => return Err(refused(&error)),
         }
         let finished = if self.bytes == 0 {
-            read(&self.forms, clock, &[])
+            read(&self.layouts, clock, &[])
         } else {
             let view = self
                 .buffer
                 .slice(..self.bytes)
                 .get_mapped_range()
                 .map_err(|error| refused(&error))?;
-            read(&self.forms, clock, &view)
+            read(&self.layouts, clock, &view)
         };
         self.buffer.unmap();
         Ok((finished, self.buffer))
@@ -153,12 +153,12 @@ impl InFlight {
 }
 
 /// What plans came to, and behind it the times of the clock.
-fn read(forms: &[Form], clock: Option<&Clock>, bytes: &[u8]) -> Finished {
+fn read(layouts: &[ReadbackLayout], clock: Option<&Clock>, bytes: &[u8]) -> Finished {
     let mut rest = bytes;
-    let outputs = forms.iter().map(|form| {
-        let (taken, left) = rest.split_at(form.bytes() as usize);
+    let outputs = layouts.iter().map(|layout| {
+        let (taken, left) = rest.split_at(layout.bytes() as usize);
         rest = left;
-        form.read(taken)
+        layout.read(taken)
     });
     let outputs = outputs.collect();
     Finished {
@@ -167,7 +167,7 @@ fn read(forms: &[Form], clock: Option<&Clock>, bytes: &[u8]) -> Finished {
     }
 }
 
-impl Form {
+impl ReadbackLayout {
     pub(super) fn of(plan: &Plan) -> Self {
         let images = plan.image.iter();
         let rasters = images.flat_map(|image| {

@@ -35,8 +35,8 @@ pub(super) fn are_outward(mesh: &Mesh) -> Option<Vec<bool>> {
 /// Of each triangle whether it is seen counter-clockwise from outside; `None` of a surface that is not closed.
 ///
 /// It is made of parts that hang together by edges between two triangles; where more meet, parts only touch. A part is closed if along
-/// each edge as many triangles run one way as run the other: then its boundary is nothing. Where its outside is is told by the sign of
-/// its volume, a sum of tetrahedra.
+/// each edge as many triangles run one way as run the other: then its boundary is nothing. The sign of its volume, a sum of
+/// tetrahedra, gives the side that is outside.
 fn fronts_outside(mesh: &Mesh, welded: &[u32], triangles: &[[u32; 3]]) -> Option<Vec<bool>> {
     let edges = edges(triangles, welded);
     if edges.is_empty() {

@@ -178,7 +178,7 @@ fn wait(shared: &Shared, stream: &TcpStream, queue: &ResponseQueue) -> Wait {
     Wait::GoOn
 }
 
-/// A browser that was talked into sending a request here gets nothing to work with.
+/// A web page can make a browser send HTTP requests to any port: they are refused before anything of them is acted on.
 fn is_http(line: &[u8]) -> bool {
     // Whatever the method is called.
     let last_word = line.rsplit(|&byte| byte == b' ').next().unwrap_or_default();

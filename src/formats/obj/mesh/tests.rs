@@ -100,7 +100,7 @@ fn other_statements_are_worth_one_warning() {
     assert_eq!(mesh.triangles, [[0, 1, 2]]);
     assert_eq!(
         warnings,
-        ["a.obj:6:3: `surf` is not read here; skipped, and its like as well"]
+        ["a.obj:6:3: `surf` is not read here; it is skipped, and so are others like it"]
     );
 }
 
@@ -267,47 +267,47 @@ fn what_nobody_reads_need_not_be_right() {
     for (text, wanted) in [
         (
             "f 1/7 2/8 3/9\n",
-            "4:3: `1/7` names a texture coordinate, but there are none above; it is passed over, and its like as well",
+            "4:3: `1/7` names a texture coordinate, but there are none above; it is passed over, and so are others like it",
         ),
         (
             "f 1//1 2//1 3\n",
-            "4:3: `1//1` names a normal, but there are none above; it is passed over, and its like as well",
+            "4:3: `1//1` names a normal, but there are none above; it is passed over, and so are others like it",
         ),
         (
             "f 1 2\nf 1 2 3\nf\n",
-            "4:1: `f` has fewer than 3 corners; it is left out, and its like as well",
+            "4:1: `f` has fewer than 3 corners; it is left out, and so are others like it",
         ),
         (
             "f 1 2 3#glued 4 5\n",
-            "4:7: `3#glued` ends in a comment, and its like as well",
+            "4:7: `3#glued` ends in a comment, and so do others like it",
         ),
         (
             "vt 0#glued\nf 1 2 3\n",
-            "4:4: `0#glued` ends in a comment, and its like as well",
+            "4:4: `0#glued` ends in a comment, and so do others like it",
         ),
         (
             "vn nan -nan(ind) -1.#IND\nf 1//1 2//1 3//1\n",
-            "4:4: `nan` is no number; it is passed over, and its like as well",
+            "4:4: `nan` is no number; it is passed over, and so are others like it",
         ),
         (
             "vt 1.#QNAN inf\nf 1 2 3\n",
-            "4:4: `1.#QNAN` is no number; it is passed over, and its like as well",
+            "4:4: `1.#QNAN` is no number; it is passed over, and so are others like it",
         ),
         (
             "v 9 9 9 nan 0 0\nf 1 2 3\n",
-            "4:9: `nan` is no number; it is passed over, and its like as well",
+            "4:9: `nan` is no number; it is passed over, and so are others like it",
         ),
         (
             "v 9 9 9 0 255 0\nf 1 2 3\n",
-            "4:11: `255` is no part of a color, which goes from 0 to 1; it is clamped, and its like as well",
+            "4:11: `255` is no part of a color, which goes from 0 to 1; it is clamped, and so are others like it",
         ),
         (
             "s x y\nf 1 2 3\n",
-            "4:3: `x` is no smoothing group; it is taken for `off`, and its like as well",
+            "4:3: `x` is no smoothing group; it is taken for `off`, and so are others like it",
         ),
         (
             "usemtl\nf 1 2 3\n",
-            "4:1: `usemtl` names nothing; it is passed over, and its like as well",
+            "4:1: `usemtl` names nothing; it is passed over, and so are others like it",
         ),
     ] {
         let (mesh, warnings) = obj(&format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{text}")).expect(text);
@@ -321,8 +321,7 @@ fn a_face_that_crosses_itself_is_a_fan_with_a_warning() {
     let text = "v 0 0 0\nv 2 2 0\nv 2 0 0\nv 0 1 0\nf 1 2 3 4\n";
     let (mesh, warnings) = obj(text).expect("it is a mesh");
     assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
-    let wanted =
-        "a.obj:5:1: `f` is a face that crosses itself; it is cut into a fan, and its like as well";
+    let wanted = "a.obj:5:1: `f` is a face that crosses itself; it is cut into a fan, and so are others like it";
     assert_eq!(warnings, [wanted]);
 }
 

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::available_parallelism;
 
 /// Threads for drawing on the CPU, for encoding and for writing replies.
-pub(super) struct Pool {
+pub(super) struct ThreadPool {
     threads: rayon::ThreadPool,
     queue: Arc<Queue>,
 }
@@ -34,7 +34,7 @@ impl Queue {
     }
 }
 
-impl Pool {
+impl ThreadPool {
     /// How many threads it has where so many are asked for: otherwise one for each core.
     pub(super) fn threads(asked: Option<NonZeroUsize>) -> usize {
         let cores = || available_parallelism().map_or(1, NonZeroUsize::get);
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn what_came_first_is_begun_first_whoever_it_came_from() {
-        let pool = Arc::new(Pool::new(NonZeroUsize::new(1)).unwrap());
+        let pool = Arc::new(ThreadPool::new(NonZeroUsize::new(1)).unwrap());
         let (sender, begun) = channel();
         let (go, wait) = channel::<()>();
         let inner = Arc::clone(&pool);
