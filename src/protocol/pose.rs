@@ -160,6 +160,7 @@ pub struct PoseSetResult {
 pub struct RotateParams {
     /// Name or digest of a loaded rig.
     pub rig: String,
+    /// Name of a joint, as `rig.describe` has it.
     pub joint: String,
     /// A direction of any length.
     pub axis: [f64; 3],
@@ -190,6 +191,7 @@ pub enum AxisSpace {
 pub struct RollParams {
     /// Name or digest of a loaded rig.
     pub rig: String,
+    /// Name of a joint, as `rig.describe` has it.
     pub joint: String,
     /// Radians, by the right-hand rule about the bone's direction.
     pub angle: f64,
@@ -225,6 +227,7 @@ pub struct LocalTransform {
     pub translation: [f64; 3],
     /// Unit quaternion `[x, y, z, w]`.
     pub rotation: [f64; 4],
+    /// Factors along the joint's own axes; 1 leaves lengths as they are.
     pub scale: [f64; 3],
 }
 
@@ -251,6 +254,7 @@ pub struct Transforms {
 /// Where one joint is.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct JointTransform {
+    /// As `rig.describe` has it.
     pub name: String,
     /// Null for the root.
     pub parent: Option<String>,
