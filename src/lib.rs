@@ -61,7 +61,9 @@
 #![forbid(unsafe_code)]
 // They panic where nobody reads on or a disk is full; `cli::terminal` does not.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
+// What only tests may reach from outside is held to the first, and what anyone may, to the second.
 #![cfg_attr(feature = "test-support", warn(unreachable_pub))]
+#![cfg_attr(not(feature = "test-support"), warn(missing_docs))]
 
 pub mod adapter;
 #[cfg(feature = "cli")]

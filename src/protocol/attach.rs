@@ -56,10 +56,12 @@ impl Attachments {
         offset
     }
 
+    /// Length of all parts together: the `attach_bytes` of the reply's line.
     pub fn total_bytes(&self) -> u64 {
         self.total_bytes
     }
 
+    /// In the order in which they were pushed, which is the order in which they follow the reply's line.
     pub fn into_parts(self) -> Vec<Bytes> {
         self.parts
     }

@@ -30,6 +30,7 @@ frame_fields! { frame_change! {
 /// The pictures of a batch, or how many were sent ahead.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FrameBatch {
+    /// One for each of the request's `frames`, streamed or not.
     pub frame_count: u64,
     /// In the order of the request; left out where they were streamed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -43,6 +44,7 @@ pub struct FrameReady {
     pub request: Id,
     /// Which of its frames; they come one after another.
     pub index: u64,
+    /// As `frame.render` answers it. An attached picture follows the notification's own line, and its `offset` counts from there.
     pub frame: Frame,
 }
 
@@ -55,6 +57,7 @@ pub struct MeshBatchParams {
     /// What `dof_values` are set upon; not beside `poses`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pose: Option<Pose>,
+    /// By which rule a vertex follows several joints. Without it, `linear`.
     #[serde(default)]
     pub skinning: Skinning,
     /// Whether the vertices follow the pose.
@@ -69,6 +72,7 @@ pub struct MeshBatchParams {
     /// A part of one mesh. A rig with several meshes needs `mesh` beside it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub range: Option<Range>,
+    /// How the arrays of all items travel. Without it, `json`.
     #[serde(default)]
     pub transport: ArrayTransport,
     /// One item for each. Either these or `dof_values`.
@@ -111,12 +115,14 @@ pub struct MeshItem {
     pub joints: Option<Blob>,
     /// Values of the pose that their limits changed.
     pub clamped: Vec<Clamped>,
+    /// What this item took, in milliseconds.
     pub timings_ms: Timings,
 }
 
 /// The poses of a batch, or how many were sent ahead.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeshBatch {
+    /// One for each of the request's `poses` or rows of `dof_values`, streamed or not.
     pub item_count: u64,
     /// In the order of the request; left out where they were streamed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -130,6 +136,7 @@ pub struct MeshReady {
     pub request: Id,
     /// Which of its poses; they come one after another.
     pub index: u64,
+    /// As the reply has it where nothing is streamed. Attached arrays follow the notification's own line; their `offset` counts from there.
     pub item: MeshItem,
 }
 

@@ -36,14 +36,20 @@ pub enum ArrayTransport {
 pub enum Picture {
     /// A whole PNG file.
     Png {
+        /// Pixels to a row, as the file says as well.
         width: u32,
+        /// Number of rows, as the file says as well.
         height: u32,
+        /// All bytes of the file, its signature included.
         file: Bytes,
     },
     /// `4 * width * height` bytes, rows from the top: sRGB, straight alpha.
     Rgba8 {
+        /// Pixels to a row.
         width: u32,
+        /// Number of rows.
         height: u32,
+        /// Red, green, blue and alpha of each pixel, a byte each; rows follow one another without padding.
         pixels: Bytes,
     },
 }
@@ -94,25 +100,35 @@ pub(super) enum Body {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Dtype {
+    /// One byte, from 0 to 255: what the pixels of an `rgba8` picture consist of.
     Uint8,
+    /// Four bytes, unsigned: indices of vertices.
     Uint32,
+    /// Four bytes, IEEE 754: positions, normals, texture coordinates and matrices.
     Float32,
 }
 
 /// Why the content of a [`Blob`] cannot be had.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum BlobError {
+    /// The blob is attached, and the bytes given as those that followed the reply do not reach to its end.
     #[error(
         "the blob lies at {offset}..{offset}+{bytes}, but {attached} bytes came with the reply"
     )]
     OutOfReach {
+        /// Where the blob starts, counted from the first byte after the reply's line.
         offset: u64,
+        /// Length of the blob.
         bytes: u64,
+        /// Length of the bytes that were given.
         attached: u64,
     },
+    /// The blob is a file, an array of other numbers, or of a length that does not come out at whole numbers.
     #[error("expected {expected}, but the blob holds {found}")]
     Other {
+        /// The array that was asked for, e.g. `an array of float32`.
         expected: &'static str,
+        /// Media type of the file, or length in bytes and type of the array.
         found: String,
     },
 }

@@ -18,8 +18,13 @@ use std::fmt;
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[schemars(transform = orbit_needs_no_kind)]
 pub enum Camera {
+    /// On a sphere about a target; the kind where none is given. What is left out frames what is shown of the rig, at rest whatever the
+    /// pose: its skin, posed or as bound; its joints and their boxes only where the skeleton is shown or there is no skin.
     Orbit(Orbit),
+    /// At one point, looking at another: in perspective, or orthographic where `height` is given.
     LookAt(LookAt),
+    /// Calibrated: `x = fx·X/Z + cx`, `y = fy·Y/Z + cy` in pixels from the top left corner, for a point X to the right, Y down, Z ahead
+    /// of the camera.
     Pinhole(Pinhole),
 }
 
@@ -61,6 +66,7 @@ pub struct Orbit {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct LookAt {
+    /// The point to look from, in world space, apart from `target`.
     pub eye: [f64; 3],
     /// The point to look at.
     pub target: [f64; 3],
@@ -83,9 +89,13 @@ pub struct LookAt {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct Pinhole {
+    /// Focal length across, in pixels, above 0.
     pub fx: f64,
+    /// Focal length down, in pixels, above 0.
     pub fy: f64,
+    /// Where the axis of the camera meets the picture, in pixels from its left edge; within ±1e12, also outside of the picture.
     pub cx: f64,
+    /// Where the axis of the camera meets the picture, in pixels from its top edge; within ±1e12, also outside of the picture.
     pub cy: f64,
     /// Column-major: a rotation and a translation.
     pub world_from_camera: [f64; 16],
@@ -114,6 +124,7 @@ pub enum Axes {
 pub enum Lights {
     /// These, at most 16.
     Given(Vec<Light>),
+    /// Lights that the rig's file has.
     Named(NamedLights),
 }
 
@@ -129,7 +140,9 @@ pub enum NamedLights {
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Light {
+    /// From so far away that direction and strength are the same everywhere.
     Directional(DirectionalLight),
+    /// From one point, in all directions alike.
     Point(PointLight),
 }
 
@@ -153,6 +166,7 @@ pub struct DirectionalLight {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct PointLight {
+    /// In world space, in the rig's units; each number within ±1e12.
     pub position: [f64; 3],
     /// Without it, white.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -162,6 +176,7 @@ pub struct PointLight {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 1.0))]
     pub intensity: Option<f64>,
+    /// How the light weakens with distance. Without it, `none`.
     #[schemars(default)]
     pub falloff: Falloff,
 }

@@ -15,7 +15,9 @@ use std::fmt;
 pub struct Request {
     /// `None` makes it a notification, which is never answered. `null` is an id like any other.
     pub id: Option<Id>,
+    /// As the line spells it; whether there is such a method is not known yet.
     pub method: String,
+    /// The text of a JSON object. `None` where the line has no `params`, which reads as `{}`.
     pub params: Option<Box<RawValue>>,
     /// Milliseconds from arrival.
     pub deadline_ms: Option<u64>,
@@ -31,6 +33,7 @@ pub struct BadRequest {
     /// Raw bytes that follow the line. `None` where the line seems to announce some and their number cannot be read: where the next line
     /// starts is then anybody's guess.
     pub attach_bytes: Option<u64>,
+    /// What is wrong with the line: broken JSON or UTF-8 wherever it stands, else the first member at fault.
     pub fault: Fault,
 }
 

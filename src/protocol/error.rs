@@ -11,65 +11,109 @@ use serde_json::{Map, Value, json};
 pub enum Fault {
     /// The line is not JSON.
     #[error("{message}")]
-    ParseError { message: String },
+    ParseError {
+        /// What is wrong with it, and at which byte or column of the line.
+        message: String,
+    },
     /// The line is JSON and not a request.
     #[error("{message}")]
-    InvalidRequest { message: String },
+    InvalidRequest {
+        /// What was expected, and what the line is instead.
+        message: String,
+    },
     /// A member of the line beside its parameters is not what a request has there.
     #[error(transparent)]
     InvalidMember(FieldFault),
     /// `nearest` is the method that may have been meant.
     #[error("there is no method `{method}`{}", did_you_mean(.nearest.as_deref()))]
     MethodNotFound {
+        /// As the request spells it.
         method: String,
+        /// `None` where no method has a similar name.
         nearest: Option<String>,
     },
+    /// A parameter is missing, unknown, or has a value that cannot be worked with.
     #[error(transparent)]
     InvalidParams(#[from] FieldFault),
     /// The server's own mistake.
     #[error("{message}")]
-    Internal { message: String },
+    Internal {
+        /// What went wrong inside; no request is to blame.
+        message: String,
+    },
     /// Boxed, since a fault travels in the error of every result.
     #[error("rig `{}` is not loaded{}", shortened(&.0.rig), did_you_mean(.0.nearest.as_deref()))]
     RigNotLoaded(Box<MissingRig>),
     /// Boxed as well.
     #[error("{}", .0.message)]
     RigFileInvalid(Box<InvalidRigFile>),
+    /// `rig.load` was given other files than those loaded under that name, without `replace`.
     #[error("another rig is loaded as `{rig}`; `\"replace\": true` puts this one in its place")]
-    RigNameTaken { rig: String },
+    RigNameTaken {
+        /// The name that was to be given.
+        rig: String,
+    },
+    /// The request comes to more than one of the ceilings that `server.info` lists; raised before anything of that size is allocated.
     #[error("{asked} exceeds the limit `{limit}` of {maximum}")]
     LimitExceeded {
+        /// Name of the ceiling in `limits` of `server.info`.
         limit: String,
+        /// The ceiling, in the unit that its name tells.
         maximum: u64,
+        /// How much the request came to, in the same unit; `u64::MAX` where it is more than 64 bits hold.
         asked: u64,
     },
+    /// The connection should have sent a token first; no server of this version asks for one.
     #[error("authentication required: this connection has not sent the right token")]
     Unauthorized,
+    /// Too many requests of all connections wait, or their results take up too much memory.
     #[error("the server has more work than it takes on; ask again in {retry_after_ms} ms")]
     Busy {
+        /// Milliseconds after which there may be room, an estimate.
         retry_after_ms: u64,
+        /// Requests of all connections that are waiting.
         queue_depth: u64,
     },
+    /// The device failed, or its driver reset it, while the request was in hand.
     #[error("the graphics device was lost and is being opened again")]
     DeviceLost,
+    /// The request was not done `deadline_ms` after its arrival.
     #[error("the deadline of the request has passed")]
     DeadlineExceeded,
+    /// The request came, or was still waiting, while the server stops.
     #[error("the server is shutting down")]
     ShuttingDown,
+    /// A path of `rig.load` leads to no file.
     #[error("there is no file `{file}` below the server's root")]
-    FileNotFound { file: String },
+    FileNotFound {
+        /// The path, as the request spells it.
+        file: String,
+    },
+    /// A file of `rig.load` has a path or name that the server does not open, e.g. a path out of its root.
     #[error("`{file}` may not be opened: {reason}")]
-    PathNotAllowed { file: String, reason: String },
+    PathNotAllowed {
+        /// The path or name, as the request spells it; shortened where it is too long.
+        file: String,
+        /// Which rule it breaks, as the end of a sentence.
+        reason: String,
+    },
+    /// A `request.cancel` named the request, or its connection ended.
     #[error("the request was cancelled")]
     Cancelled,
     /// Any fault but that of a parameter, and which of many parts of the request it is of: `path` leads there, e.g. `frames[3]`.
     #[error("{path}: {fault}")]
-    Within { path: FieldPath, fault: Box<Fault> },
+    Within {
+        /// From the parameters of the request to the part.
+        path: FieldPath,
+        /// The fault that the part has by itself.
+        fault: Box<Fault>,
+    },
 }
 
 /// A rig that a request names and nobody has loaded.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct MissingRig {
+    /// The name or digest, as the request spells it.
     pub rig: String,
     /// The one that may have been meant.
     pub nearest: Option<String>,
@@ -81,13 +125,17 @@ pub struct MissingRig {
 /// as far as it is known.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct InvalidRigFile {
+    /// For people, ready to be shown.
     pub message: String,
+    /// The path or name of the file, as the request or the file that names it spells it.
     pub file: String,
     /// From 1.
     pub line: Option<u64>,
     /// From 1.
     pub column: Option<u64>,
+    /// What should stand there, in words.
     pub expected: Option<String>,
+    /// What stands there instead, in words.
     pub found: Option<String>,
 }
 
@@ -109,6 +157,7 @@ impl Fault {
         }
     }
 
+    /// What the wire says as `data.kind`; [`Fault::Within`] has that of the fault in it.
     pub fn kind(&self) -> ErrorKind {
         match self {
             Self::Within { fault, .. } => fault.kind(),
@@ -196,6 +245,7 @@ macro_rules! kinds {
         pub enum ErrorKind { $($(#[doc = $doc])* $variant,)* }
 
         impl ErrorKind {
+            /// In the order of declaration.
             pub const ALL: &[Self] = &[$(Self::$variant,)*];
 
             /// As the wire spells it.
@@ -203,6 +253,7 @@ macro_rules! kinds {
                 match self { $(Self::$variant => $name,)* }
             }
 
+            /// The `code` of the error by JSON-RPC's rules; two kinds may share one.
             pub fn code(self) -> i64 {
                 match self { $(Self::$variant => $code,)* }
             }
@@ -258,6 +309,7 @@ kinds! {
 }
 
 impl ErrorKind {
+    /// The kind that the wire spells so; `None` for a word that this version does not know.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|kind| kind.name() == name)
     }
@@ -271,6 +323,7 @@ pub struct ErrorObject {
     pub code: i64,
     /// A sentence for people: where, what was expected, what was found.
     pub message: String,
+    /// The same for programs: its `kind`, and what else is known of this kind.
     pub data: ErrorData,
 }
 

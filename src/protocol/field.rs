@@ -39,6 +39,7 @@ impl FieldPath {
         self
     }
 
+    /// The steps from the parameters inward, none for the parameters themselves.
     pub fn segments(&self) -> &[Segment] {
         &self.0
     }
@@ -87,11 +88,14 @@ impl From<(&'static str, usize)> for FieldPath {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{path}: {message}")]
 pub struct FieldFault {
+    /// From the parameters of the request; of a fault beside them, from the line's own members.
     pub path: FieldPath,
+    /// What was expected and what was found, without the path.
     pub message: String,
 }
 
 impl FieldFault {
+    /// `path` starts from the parameters, or from a part of them that [`FieldFault::within`] puts in its place later.
     pub fn new(path: impl Into<FieldPath>, message: impl Into<String>) -> Self {
         Self {
             path: path.into(),

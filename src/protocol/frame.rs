@@ -23,10 +23,13 @@ macro_rules! frame_fields {
             /// A pose for this request alone. Without it, as if it were `{}`.
             #[serde(default)]
             pose: pose::Pose => Box<pose::Pose>,
+            /// By which rule a vertex follows several joints. Without it, `linear`.
             #[serde(default)]
             skinning: frame::Skinning => frame::Skinning,
+            /// What of the rig is drawn. Without it, its posed skin alone; of a rig that has no skin, its skeleton.
             #[serde(default)]
             show: frame::Show => Box<frame::Show>,
+            /// Where the picture is taken from. Without it, an `orbit` that frames what is shown.
             #[serde(default)]
             camera: camera::Camera => Box<camera::Camera>,
             /// A list of at most 16, or `file`. Without it, a warm key light and a cool fill; an empty list leaves the ambient light alone.
@@ -37,27 +40,32 @@ macro_rules! frame_fields {
             #[serde(default, skip_serializing_if = "Option::is_none")]
             #[schemars(extend("default" = [0.055, 0.06, 0.08]))]
             ambient: Option<[f64; 3]> => [f64; 3],
+            /// What the skin's surface is to be in place of the file's materials. Without it, as the file has them.
             #[serde(default)]
             material: frame::Material => Box<frame::Material>,
             /// What stands behind the rig, with straight alpha. Without it, an opaque dark slate.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             #[schemars(extend("default" = [0.012, 0.016, 0.024, 1.0]))]
             background: Option<[f64; 4]> => [f64; 4],
+            /// Which triangles are left out. Without it, `auto`.
             #[serde(default)]
             cull: frame::Cull => frame::Cull,
             /// Width and height in pixels.
             #[serde(default = "frame::default_size")]
             size: [u32; 2] => [u32; 2],
+            /// How many samples of each pixel are averaged: 1 or 4. Without it, 4.
             #[serde(default)]
             samples: frame::Samples => frame::Samples,
             /// Which pictures to send.
             #[serde(default = "frame::color_alone")]
             outputs: Vec<frame::Output> => Vec<frame::Output>,
+            /// What each picture is packed as. Without it, `png`.
             #[serde(default)]
             image: frame::ImageFormat => frame::ImageFormat,
             /// How hard to compress a PNG.
             #[serde(default)]
             compression: frame::Compression => frame::Compression,
+            /// Whether pictures come inside the reply or as raw bytes after its line. Without it, `base64`.
             #[serde(default)]
             transport: blob::PictureTransport => blob::PictureTransport,
         }
@@ -97,7 +105,10 @@ macro_rules! frame_change {
         #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields, default)]
         pub struct $name {
-            $(#[serde(skip_serializing_if = "Option::is_none")] pub $field: Option<$change>,)*
+            $(
+                /// In place of the common part's field of this name. Without it, that field holds.
+                #[serde(skip_serializing_if = "Option::is_none")] pub $field: Option<$change>,
+            )*
         }
 
         impl $name {
@@ -252,10 +263,13 @@ words! {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Show {
+    /// Whether the skin is drawn, in the pose or as modelled. Without it, `posed`.
     pub skin: ShowSkin,
+    /// The shape that joints and bones are drawn in. Without it, `none`; a rig that has no skin then gets `wireframe`.
     pub skeleton: ShowSkeleton,
     /// From 0 to 1. Below 1, what stands behind the nearest surface of the skin shines through.
     pub skin_opacity: f64,
+    /// Whether the skin looks rounded or faceted. Without it, `smooth`.
     pub normals: ShowNormals,
 }
 
@@ -291,7 +305,9 @@ pub struct Material {
 /// Samples of a pixel, which are averaged: 1 or 4.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Samples {
+    /// Taken at one place of the pixel: edges show steps.
     One,
+    /// Averaged: edges are smoothed.
     #[default]
     Four,
 }
@@ -340,12 +356,15 @@ pub struct Frame {
     pub height: u32,
     /// By the names in `outputs`.
     pub images: BTreeMap<String, Blob>,
+    /// The camera that took the picture, with all defaults worked out.
     pub camera: FrameCamera,
     /// Digest of the rig.
     pub rig: String,
+    /// The program that drew the picture.
     pub renderer: Renderer,
     /// Values of the pose that their limits changed.
     pub clamped: Vec<Clamped>,
+    /// What this picture took, in milliseconds.
     pub timings_ms: Timings,
 }
 
@@ -369,7 +388,9 @@ pub struct FrameCamera {
 /// What drew.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Renderer {
+    /// `rigd`.
     pub name: String,
+    /// Version of the program, as in `server.info`.
     pub version: String,
 }
 

@@ -11,6 +11,7 @@ use std::fmt;
 /// The `id` of a request. A request with `null` is still a request; one without any is a notification.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Id {
+    /// Of a request that says so, and of the reply to a line whose id could not be read.
     Null,
     /// Wide enough for every `i64` and every `u64`, and never outside both.
     Integer(i128),

@@ -10,7 +10,9 @@ use serde_json::value::RawValue;
 /// A reply as a client reads it: either a result or an error.
 #[derive(Debug, Clone)]
 pub struct Reply {
+    /// That of the request; null also where the server could not read it.
     pub id: Id,
+    /// The text of `result`, or else `error`.
     pub outcome: Result<Box<RawValue>, ErrorObject>,
     /// Raw bytes that follow the line.
     pub attach_bytes: u64,
@@ -30,7 +32,9 @@ impl Reply {
 /// What goes ahead of a reply, as a client reads it.
 #[derive(Debug, Clone)]
 pub struct Notification {
+    /// `frame.ready` or `mesh.ready`.
     pub method: String,
+    /// The text of a JSON object, with the `id` of the batch as its `request`.
     pub params: Box<RawValue>,
     /// Raw bytes that follow the line.
     pub attach_bytes: u64,
@@ -39,7 +43,9 @@ pub struct Notification {
 /// A line from a server.
 #[derive(Debug, Clone)]
 pub enum Incoming {
+    /// A line with an `id` and either a `result` or an `error`.
     Reply(Reply),
+    /// A line with a `method` and `params`: an item of a streamed batch.
     Notification(Notification),
 }
 
@@ -97,9 +103,13 @@ fn present<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<I
 /// A request as a client writes it. Without an `id` it is a notification.
 #[derive(Debug, Clone, Copy)]
 pub struct Outgoing<'a, P: ?Sized> {
+    /// `None` for a notification, which is never answered.
     pub id: Option<&'a Id>,
+    /// As the wire spells it, e.g. `frame.render`.
     pub method: &'a str,
+    /// What the server is to read as a JSON object; it refuses anything else.
     pub params: &'a P,
+    /// Milliseconds from the request's arrival, past which it is answered with `deadline_exceeded`. `None` for no such bound.
     pub deadline_ms: Option<u64>,
     /// Raw bytes that will follow the line.
     pub attach_bytes: u64,

@@ -17,6 +17,7 @@ pub struct VerticesParams {
     /// A pose for this request alone. Without it, as if it were `{}`.
     #[serde(default)]
     pub pose: Pose,
+    /// By which rule a vertex follows several joints. Without it, `linear`.
     #[serde(default)]
     pub skinning: Skinning,
     /// Whether the vertices follow the pose.
@@ -31,6 +32,7 @@ pub struct VerticesParams {
     /// A part of one mesh. A rig with several meshes needs `mesh` beside it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub range: Option<Range>,
+    /// How the arrays travel. Without it, `json`.
     #[serde(default)]
     pub transport: ArrayTransport,
 }
@@ -73,11 +75,13 @@ pub struct Range {
 /// Skinned vertices.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Vertices {
+    /// In the order of `rig.describe`; only the one that the request's `mesh` names, where it names one.
     pub meshes: Vec<MeshVertices>,
     /// Of the vertices in this answer.
     pub bounds: Bounds,
     /// Values of the pose that their limits changed.
     pub clamped: Vec<Clamped>,
+    /// What this answer took, in milliseconds.
     #[serde(default)]
     pub timings_ms: Timings,
 }
@@ -85,6 +89,7 @@ pub struct Vertices {
 /// Vertices of one mesh.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeshVertices {
+    /// As `rig.describe` has it.
     pub name: String,
     /// Vertices in this answer: those of the mesh, or of the `range` of it.
     pub vertex_count: u64,
@@ -102,6 +107,7 @@ pub struct MeshVertices {
 pub struct TopologyParams {
     /// Name or digest of a loaded rig.
     pub rig: String,
+    /// How the arrays travel. Without it, `json`.
     #[serde(default)]
     pub transport: ArrayTransport,
 }
@@ -109,14 +115,18 @@ pub struct TopologyParams {
 /// What stays the same in every pose.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Topology {
+    /// All of them, in the order of `rig.describe`.
     pub meshes: Vec<MeshTopology>,
 }
 
 /// How the vertices of one mesh hang together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeshTopology {
+    /// As `rig.describe` has it.
     pub name: String,
+    /// Vertices of the mesh, which `triangles` index from 0 in the order of `mesh.vertices`.
     pub vertex_count: u64,
+    /// Rows of `triangles`.
     pub triangle_count: u64,
     /// That of the first part; null where the file names none.
     pub material: Option<String>,

@@ -15,6 +15,7 @@ macro_rules! methods {
         pub enum Method { $($(#[doc = $doc])* $variant,)* }
 
         impl Method {
+            /// In the order in which the OpenRPC document lists them.
             pub const ALL: &[Self] = &[$(Self::$variant,)*];
 
             /// As the wire spells it.

@@ -37,11 +37,13 @@ pub enum PickTarget {
 /// What is seen at a pixel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Picked {
+    /// The ray that was followed, given also where it hits nothing.
     pub ray: Ray,
     /// Null where the ray hits nothing.
     pub hit: Option<Hit>,
     /// Values of the pose that their limits changed.
     pub clamped: Vec<Clamped>,
+    /// What this answer took, in milliseconds; `encode` is 0.
     #[serde(default)]
     pub timings_ms: Timings,
 }
@@ -58,6 +60,7 @@ pub struct Ray {
 /// The nearest thing that the ray hits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Hit {
+    /// Which other fields there are: `along` with `bone`; `mesh`, `triangle`, `barycentric` and `normal` with `skin`.
     pub kind: PickTarget,
     /// From the ray's origin, in the rig's units.
     pub distance: f64,

@@ -25,7 +25,7 @@ pub struct Pose {
     /// Local rotations by the joint's name: unit quaternions `[x, y, z, w]`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub rotations: BTreeMap<String, [f64; 4]>,
-    /// Values by the name of the degree of freedom, in radians or the rig's units.
+    /// Values by the name of the degree of freedom, in radians or the rig's units; scales and weights have none.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub dofs: BTreeMap<String, f64>,
     /// Every degree of freedom at once, in the order of `rig.describe`.
@@ -68,7 +68,7 @@ fn whole() -> f64 {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum PoseBase {
-    /// The pose that `pose.set` left on the server.
+    /// The pose that the server keeps: as `pose.set`, `pose.rotate`, `pose.roll` or `pose.reset` left it.
     Stored,
     /// The file's own pose.
     Rest,
@@ -160,6 +160,7 @@ pub struct PoseSetResult {
 pub struct RotateParams {
     /// Name or digest of a loaded rig.
     pub rig: String,
+    /// Name of a joint, as `rig.describe` has it.
     pub joint: String,
     /// A direction of any length.
     pub axis: [f64; 3],
@@ -190,6 +191,7 @@ pub enum AxisSpace {
 pub struct RollParams {
     /// Name or digest of a loaded rig.
     pub rig: String,
+    /// Name of a joint, as `rig.describe` has it.
     pub joint: String,
     /// Radians, by the right-hand rule about the bone's direction.
     pub angle: f64,
@@ -212,7 +214,7 @@ pub struct Clamped {
 /// The stored pose of a rig.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StoredPose {
-    /// By name, in radians or the rig's units.
+    /// By name, in radians or the rig's units; scales and weights have none.
     pub dofs: BTreeMap<String, f64>,
     /// By name, each against its parent.
     pub joints: BTreeMap<String, LocalTransform>,
@@ -225,6 +227,7 @@ pub struct LocalTransform {
     pub translation: [f64; 3],
     /// Unit quaternion `[x, y, z, w]`.
     pub rotation: [f64; 4],
+    /// Factors along the joint's own axes; 1 leaves lengths as they are.
     pub scale: [f64; 3],
 }
 
@@ -251,6 +254,7 @@ pub struct Transforms {
 /// Where one joint is.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct JointTransform {
+    /// As `rig.describe` has it.
     pub name: String,
     /// Null for the root.
     pub parent: Option<String>,

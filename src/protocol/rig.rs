@@ -125,17 +125,24 @@ pub struct RigList {
 /// A loaded rig in a few numbers.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct RigSummary {
+    /// What the rig was loaded as. Requests name it by this or by its digest.
     pub name: String,
     /// `sha256:` and 64 hexadecimal digits: the same on every server that has the same files. Of a rig that is one file which its content
     /// alone tells the format of (glTF, most files of CSE 169), the SHA-256 of that file, whatever its name; else over names and contents.
     pub digest: String,
     /// The readers that were used, e.g. `cse169 skel`; each once, in the order of `formats` in `server.info`.
     pub dialects: Vec<String>,
+    /// Joints of the skeleton, also those that move nothing.
     pub joint_count: u64,
+    /// Numbers that make up a pose: the length of `dof_values`.
     pub dof_count: u64,
+    /// Vertices of all meshes, as the files count them; 0 for a rig that has no skin.
     pub vertex_count: u64,
+    /// Triangles of all meshes; polygons of a file are cut into triangles.
     pub triangle_count: u64,
+    /// Morph targets, each with a degree of freedom of its own.
     pub morph_count: u64,
+    /// Animations that a pose can take.
     pub clip_count: u64,
     /// What was odd in the files but could be worked with, a sentence each.
     pub warnings: Vec<String>,
@@ -144,13 +151,16 @@ pub struct RigSummary {
 /// Everything about a rig but its vertices and triangles.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RigDescription {
+    /// On the wire its fields stand beside the others.
     #[serde(flatten)]
     pub summary: RigSummary,
     /// In file order, which puts parents before their children.
     pub joints: Vec<JointDescription>,
     /// In the order that `dof_values` of a pose goes by.
     pub dofs: Vec<DofDescription>,
+    /// In the order of `mesh.vertices` and `mesh.topology`.
     pub meshes: Vec<MeshDescription>,
+    /// What meshes and their parts name as `material`.
     pub materials: Vec<MaterialDescription>,
     /// What `variant` of a material can name.
     pub variants: Vec<String>,
@@ -169,11 +179,13 @@ pub struct RigDescription {
 /// One joint, as the file has it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct JointDescription {
+    /// Unique in the rig: `joint_<index>` where the file gives none, the second of two `knee` is `knee#2`.
     pub name: String,
     /// Null for the root.
     pub parent: Option<String>,
     /// From the parent's origin to this joint's, in the parent's space.
     pub offset: [f64; 3],
+    /// The order in which the angles `rx`, `ry`, `rz` of this joint turn it.
     pub rotation_order: RotationOrder,
     /// Smallest and largest corner of the joint's own box, in its own space; null where the format knows of none.
     pub bounding_box: Option<Bounds>,
@@ -192,8 +204,9 @@ pub enum RotationOrder {
 /// One number that a pose sets.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DofDescription {
-    /// The joint's name and one of `tx ty tz rx ry rz`, e.g. `elbow.rx`; or `morph.` and a morph target's name.
+    /// The joint's name and one of `tx ty tz rx ry rz sx sy sz`, e.g. `elbow.rx`; or `morph.` and a morph target's name.
     pub name: String,
+    /// Which unit its values have.
     pub kind: DofKind,
     /// Null for one that belongs to no joint.
     pub joint: Option<String>,
@@ -224,8 +237,11 @@ pub enum DofKind {
 /// One mesh.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct MeshDescription {
+    /// Unique in the rig; `mesh_<index>` where the file gives none.
     pub name: String,
+    /// Vertices, as the file counts them.
     pub vertex_count: u64,
+    /// Triangles of all its parts.
     pub triangle_count: u64,
     /// That of the first part; null where the file names none.
     pub material: Option<String>,
@@ -238,6 +254,7 @@ pub struct MeshDescription {
 /// Triangles of a mesh that are made of one material.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct MeshPart {
+    /// Triangles of this part, which follow those of the parts before it.
     pub triangle_count: u64,
     /// Null where the file names none.
     pub material: Option<String>,
@@ -246,6 +263,7 @@ pub struct MeshPart {
 /// A named surface.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MaterialDescription {
+    /// Unique in the rig; what meshes and parts refer to it by.
     pub name: String,
     /// The base name of the picture's file; null without one.
     pub texture: Option<String>,
@@ -262,7 +280,9 @@ pub struct MaterialDescription {
 /// A light of the file. In its own space it shines along −Z, from the origin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LightDescription {
+    /// Unique in the rig; `light_<index>` where the file gives none.
     pub name: String,
+    /// Where its light comes from, and so the unit of `intensity`.
     pub kind: LightKind,
     /// What it moves with; null for one that stands still.
     pub joint: Option<String>,
@@ -304,6 +324,7 @@ pub enum Opacity {
 /// A morph target.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct MorphDescription {
+    /// Unique in the rig; `morph_<index>` where the file gives none.
     pub name: String,
     /// The mesh that it moves.
     pub mesh: String,
@@ -314,6 +335,7 @@ pub struct MorphDescription {
 /// An animation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ClipDescription {
+    /// Unique in the rig; `clip_<index>` where the file gives none.
     pub name: String,
     /// From when to when it is meant to be played, in seconds. A pose may take it at any time.
     pub range: [f64; 2],
@@ -324,7 +346,9 @@ pub struct ClipDescription {
 /// A box along the axes of its space, in the rig's units, and what is in it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RigBounds {
+    /// Whether the box holds the skinned vertices or the joints.
     pub of: BoundsOf,
+    /// In world space. On the wire its fields stand beside `of`.
     #[serde(flatten)]
     pub bounds: Bounds,
 }
@@ -333,6 +357,7 @@ pub struct RigBounds {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum BoundsOf {
+    /// The skinned vertices of all meshes.
     Vertices,
     /// Of a rig that has no vertices.
     Joints,

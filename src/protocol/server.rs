@@ -16,6 +16,7 @@ pub struct ServerInfo {
     pub version: String,
     /// Version of this contract.
     pub protocol: u32,
+    /// The graphics adapter in use, or the daemon's own renderer.
     pub adapter: Adapter,
     /// Every ceiling by its name. An error of the kind `limit_exceeded` names one of them.
     pub limits: BTreeMap<String, u64>,
@@ -28,9 +29,11 @@ pub struct ServerInfo {
 /// What draws and skins.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Adapter {
+    /// As its driver gives it, or `rigd's own renderer`.
     pub name: String,
     /// How it is reached, e.g. `vulkan`, `metal`, `dx12`, or `cpu`.
     pub backend: String,
+    /// A GPU, or the CPU with or without a graphics driver.
     #[serde(rename = "type")]
     pub kind: AdapterKind,
     /// Name and version of its driver, as far as that is known.
@@ -79,6 +82,7 @@ pub struct ServerStats {
     pub connections: u64,
     /// Rigs loaded now.
     pub rigs: u64,
+    /// Of the process, of the rigs and of the graphics device, in bytes.
     pub memory: Memory,
 }
 
@@ -94,7 +98,7 @@ pub struct Outcomes {
 /// What is held now, in bytes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Memory {
-    /// Resident memory of the whole process.
+    /// Resident memory of the whole process; 0 where the system does not give it.
     pub cpu_bytes: u64,
     /// Estimate of what the loaded rigs take of it.
     pub rigs_bytes: u64,
