@@ -33,7 +33,9 @@ pub enum EngineError {
     #[error(transparent)]
     Limit(#[from] LimitExceeded),
     /// The server as a whole has all it can take.
-    #[error("{queue_depth} requests are in hand already; try again soon")]
+    #[error(
+        "no more requests, or no more memory for results, can be taken on now: {queue_depth} requests are in flight; try again soon"
+    )]
     Busy {
         /// Requests of all connections that are admitted at the moment.
         queue_depth: u64,

@@ -71,7 +71,7 @@ pub enum Fault {
     Busy {
         /// Milliseconds after which there may be room, an estimate.
         retry_after_ms: u64,
-        /// Requests of all connections that are waiting.
+        /// Requests of all connections that are admitted and not answered yet.
         queue_depth: u64,
     },
     /// The device failed, or its driver reset it, while the request was in hand.
@@ -292,7 +292,7 @@ kinds! {
     LimitExceeded "limit_exceeded" -32003 false,
     /// The connection has not sent the right token.
     Unauthorized "unauthorized" -32004 false,
-    /// The server as a whole has too much to do: `queue_depth` requests wait. Ask again after `retry_after_ms`.
+    /// The server as a whole has too much to do, or its results take up too much memory: `queue_depth` requests are in flight. Ask again after `retry_after_ms`.
     Busy "busy" -32005 true,
     /// The graphics device went away while the request was in hand; it is being opened again.
     DeviceLost "device_lost" -32006 true,

@@ -288,7 +288,7 @@ impl Default for Show {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
-    /// Color that light is scattered in. Where neither this nor the file gives one, white under a texture and else [0.6, 0.5, 0.42].
+    /// Color that light is scattered in. Where neither this nor the file gives one, white under a texture or colors of vertices, else [0.6, 0.5, 0.42].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub diffuse: Option<[f64; 3]>,
     /// Color of the highlight. Where neither this nor the file gives one, [0.14, 0.14, 0.14].

@@ -30,7 +30,7 @@ fn all_targets() -> Vec<PickTarget> {
 pub enum PickTarget {
     /// Cylinders from each joint to its children.
     Bone,
-    /// Triangles, as the pose has them.
+    /// Triangles of the skin, where they are drawn.
     Skin,
 }
 

@@ -31,7 +31,7 @@ pub struct ServerInfo {
 pub struct Adapter {
     /// As its driver gives it, or `rigd's own renderer`.
     pub name: String,
-    /// How it is reached, e.g. `vulkan`, `metal`, `dx12`, or `cpu`.
+    /// How it is reached, e.g. `vulkan`, `gl`, `metal`, `dx12`, or `cpu`.
     pub backend: String,
     /// A GPU, or the CPU with or without a graphics driver.
     #[serde(rename = "type")]
@@ -76,7 +76,7 @@ pub struct ServerStats {
     pub bytes_in: u64,
     /// Bytes written to all connections.
     pub bytes_out: u64,
-    /// Requests that wait for the renderer now.
+    /// Requests of all connections that are admitted and not answered yet.
     pub queue_depth: u64,
     /// Connections open now.
     pub connections: u64,
