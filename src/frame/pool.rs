@@ -41,7 +41,7 @@ impl<T> Default for Pool<T> {
 
 impl<T> Pool<T> {
     /// Keeps so many at most.
-    pub fn bounded(most: usize) -> Self {
+    fn bounded(most: usize) -> Self {
         let free = Free {
             values: Vec::new(),
             clearings: 0,

@@ -45,14 +45,18 @@ pub(super) fn read(
     let mut lights = Vec::new();
     for (index, light) in carried {
         let path = format!("nodes[{index}].extensions.{LIGHTS}.light");
-        let named = named(light, &described);
-        match named.and_then(|light| Ok((light, carrier(nodes, index)?))) {
-            Ok((Some(light), carrier)) => {
+        let placed = named(light, &described).and_then(|light| match light {
+            Some(light) => Ok(Some((light, carrier(nodes, index)?))),
+            None => Ok(None),
+        });
+        match placed {
+            Ok(Some((light, carrier))) => {
                 let name = light.name.as_ref().or(root.nodes[index].name.as_ref());
                 let name = faults.name(name.map(String::as_str), &path, warnings);
                 lights.push(light.carried_by(carrier, name));
             }
-            Ok((None, _)) => {}
+            // A warning has said why it was left out.
+            Ok(None) => {}
             Err(why) => warnings.push(|| faults.warning(&format!("{path} is left out: {why}"))),
         }
     }
