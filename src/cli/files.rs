@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn a_destination_is_a_file_or_standard_output() {
-        for path in ["out", "out.png", "../out", ".out"] {
+        for path in ["picture", "picture.png", "../picture", ".picture"] {
             let file = Destination::File(path.into());
             assert_eq!(Destination::of(path.as_ref()).unwrap(), file);
         }
